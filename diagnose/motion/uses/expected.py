@@ -32,7 +32,7 @@ Place = tuple[str, tuple[int, ...]]
 
 
 @dataclass(frozen=True)
-class Told:
+class Expected:
     """A name and how far a motion tells its size: half the 95 % interval `half` of its first `parameter` (SI, of a
     `kind`), and the `share` of the usual size that is; `random` is that share at motions at random (nan: none was
     tried). Where it is not `shown`, it goes with `beside`, or nothing of it acts (None)."""
@@ -126,18 +126,18 @@ class Patterns:
         places = {k: np.arange(a, b) for k, a, b in zip(kept, ends[:-1], ends[1:], strict=True)}
         return covariance(gram[np.ix_(at, at)], np.ones(len(at))), places
 
-    def told(self, gram: Array, random: Array | None = None) -> tuple[Told, ...]:
+    def expected(self, gram: Array, random: Array | None = None) -> tuple[Expected, ...]:
         """How far each name asked for is told, the worst first; `random` (K,) are the figures of motions at random."""
         half = self.uncertain(gram)
         random = np.full(len(half), np.nan) if random is None else random
-        made: list[Told] = []
+        made: list[Expected] = []
         for k, share, before in zip(self.asked, half.tolist(), random.tolist(), strict=True):
             group, at = self.pool.groups[k], int(self.spans[k][0])
             deviation, size = share / 1.96, group.sizes[0]
             shown = deviation < RULES.motion.shown
             beside = None if shown or gram[at, at] < 1.0 else self._beside(gram, k)
             half_si = share * float(group.usual[0])
-            made.append(Told(place_of(group), size.name, size.kind, half_si, share, before, shown, beside))
+            made.append(Expected(place_of(group), size.name, size.kind, half_si, share, before, shown, beside))
         return tuple(sorted(made, key=lambda item: -item.share))
 
     def _beside(self, gram: Array, group: int) -> Place:
@@ -166,7 +166,9 @@ def aliases(group: Group, single: dict[Place, int]) -> list[int]:
     return numbers or [k for (effect, _), k in single.items() if effect in names]
 
 
-def told_by(arm: Arm, log: MotionLog, wanted: Sequence[Place] = ()) -> tuple[Motion, Patterns, tuple[Told, ...]]:
+def expected_by(
+    arm: Arm, log: MotionLog, wanted: Sequence[Place] = ()
+) -> tuple[Motion, Patterns, tuple[Expected, ...]]:
     """How far a log tells names (none: all), before any diagnosis of it, with its motion and what was compared.
 
     The noise is what its torques hold above the low-pass, and no less than filters leave. Raises ValueError where no
@@ -178,4 +180,4 @@ def told_by(arm: Arm, log: MotionLog, wanted: Sequence[Place] = ()) -> tuple[Mot
     heard, torque = prepared.noise(), np.sqrt((prepared.measured**2).mean(axis=0))
     sigma = np.maximum(np.where(np.isfinite(heard), heard, _NOISE * torque), RULES.motion.filters * torque)
     patterns = Patterns.of(arm, wanted, motion, np.maximum(sigma, 1e-6))
-    return motion, patterns, patterns.told(patterns.gram(motion))
+    return motion, patterns, patterns.expected(patterns.gram(motion))

@@ -14,7 +14,7 @@ from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.diagnose.options import silent
 from linkwright.core.sections.numeric import Array
 
-from .expected import RATE, Indices, Patterns, Place, Told, aliases, place_of
+from .expected import RATE, Expected, Indices, Patterns, Place, aliases, place_of
 from .trajectory import Limits, limits_of, moved, random_series
 
 _STARTS, _STEPS = 20, 300
@@ -41,14 +41,14 @@ class Apart:
 
 @dataclass(frozen=True)
 class MotionPlan:
-    """A motion that tells causes `apart`, the worst told first, how far it tells the size of each (`told`), and how
+    """A motion that tells causes `apart`, the worst told first, how far it tells the size of each (`expected`), and how
     many were `tried` (none: it is that of a log). `unseen` are causes asked for that it cannot show."""
 
     arm: Arm
     motion: Motion
     limits: Limits
     apart: tuple[Apart, ...]
-    told: tuple[Told, ...]
+    expected: tuple[Expected, ...]
     unseen: tuple[Place, ...]
     tried: int
     seed: int
@@ -121,8 +121,8 @@ def plan_motion(
     _, gram, motion, chosen = best
     fine = moved(arm, chosen, limits, seconds, _WRITTEN, room)
     apart = _apart(patterns, pairs, motion, [*grams, gram])
-    told = patterns.told(gram, at_random)
-    return MotionPlan(arm, fine, limits, tuple(apart), told, patterns.unseen, count, seed, interrupted)
+    expected = patterns.expected(gram, at_random)
+    return MotionPlan(arm, fine, limits, tuple(apart), expected, patterns.unseen, count, seed, interrupted)
 
 
 def _pairs(patterns: Patterns, *, together: bool) -> list[tuple[int, int]]:

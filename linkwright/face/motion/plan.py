@@ -11,7 +11,7 @@ import numpy as np
 
 from linkwright.core.arm.avoid.poses import NoRoom, room_of
 from linkwright.core.arm.chain.chain import Arm as Model
-from linkwright.core.diagnose.motion.uses.expected import Place, Told, told_by
+from linkwright.core.diagnose.motion.uses.expected import Expected, Place, expected_by
 from linkwright.core.diagnose.motion.uses.plan import Apart, NothingToTell, plan_motion
 from linkwright.core.diagnose.motion.uses.plan import MotionPlan as MotionPlanResult
 from linkwright.core.diagnose.motion.uses.trajectory import limits_of, motion_columns, read_motion
@@ -48,10 +48,10 @@ def describe(result: MotionPlanResult) -> Description:
     """How far the motion tells each name, what it tells apart, and what it keeps to."""
     model, motion = result.arm, result.motion
     seconds = with_unit(float(motion.time[-1] - motion.time[0]), "s", 3)
-    told = [item for item in result.told if item.shown]
-    least = f", the worst of them {_name(told[0])} to {percent(told[0].share)} of its usual size" if told else ""
-    headline = f"{seconds} of motion: {len(told)} of {len(result.told)} names are told{least}"
-    best = [item.share / item.random for item in result.told if item.shown and item.random > 0.0]
+    shown = [item for item in result.expected if item.shown]
+    least = f", the worst of them {_name(shown[0])} to {percent(shown[0].share)} of its usual size" if shown else ""
+    headline = f"{seconds} of motion: {len(shown)} of {len(result.expected)} names are told{least}"
+    best = [item.share / item.random for item in result.expected if item.shown and item.random > 0.0]
     if best:
         headline += f". Intervals are {figure(float(np.median(best)), 2)} times those of motions at random."
     rows = [
@@ -61,7 +61,7 @@ def describe(result: MotionPlanResult) -> Description:
             Value(f"± {quantity(item.half, item.kind, 2)}") if item.shown else Value("–"),
             *([share(item.random)] if result.tried else []),
         )
-        for item in result.told
+        for item in result.expected
     ]
     apart = [
         (effect_words(*item.one), effect_words(*item.other), share(item.share), share(item.random), torque(item.left))
@@ -91,15 +91,15 @@ def _shown(headings: Sequence[str], rows: Sequence[Sequence[Cell]]) -> Table:
     return table(headings, rows, first=_SHOWN, rest=f"and {len(rows) - _SHOWN} more, in the JSON")
 
 
-def _name(told: Told) -> str:
-    return effect_words(*told.name)
+def _name(item: Expected) -> str:
+    return effect_words(*item.name)
 
 
-def _why(told: Told) -> str:
-    """Why the size of a name is not told."""
-    if told.beside is None:
+def _why(item: Expected) -> str:
+    """Why the size of a name is not item."""
+    if item.beside is None:
         return "no: too little of it acts"
-    return f"cannot be told: goes with {effect_words(*told.beside)}"
+    return f"cannot be told: goes with {effect_words(*item.beside)}"
 
 
 def _kept(result: MotionPlanResult) -> Table:
@@ -136,10 +136,10 @@ class MotionPlan(Result):
         return frame(motion_columns(self.found.motion))
 
     @property
-    def told(self) -> pd.DataFrame:
+    def expected(self) -> pd.DataFrame:
         """A row for each name: half the 95 % interval that is to be expected of its first `parameter` (`half`, in SI),
         as `share` of the usual size, at motions at `random`, and with which name it goes where it is not `shown`."""
-        return frame(self._content()["told"])
+        return frame(self._content()["expected"])
 
     @property
     def apart(self) -> pd.DataFrame:
@@ -172,7 +172,7 @@ class MotionPlan(Result):
             **OBSERVES,
             "seconds": float(motion.time[-1] - motion.time[0]),
             "samples": motion.size,
-            "told": [_told(item) for item in plan.told],
+            "expected": [_expected(item) for item in plan.expected],
             "apart": [_apart(item) for item in plan.apart],
             "unseen": [{"effect": effect, "at": list(at)} for effect, at in plan.unseen],
             "joints": [_joint(plan.arm, plan, index) for index in range(plan.arm.size)],
@@ -180,14 +180,14 @@ class MotionPlan(Result):
         }
 
     def _tables(self) -> Mapping[str, pd.DataFrame]:
-        return {"Told": self.told, "Told apart": self.apart}
+        return {"Expected": self.expected, "Told apart": self.apart}
 
 
-def _told(told: Told) -> dict[str, Any]:
-    effect, at = told.name
-    beside = None if told.beside is None else [told.beside[0], list(told.beside[1])]
-    random = told.random if np.isfinite(told.random) else None
-    figures = fields(told, "parameter", "kind", "half", "share", "shown")
+def _expected(item: Expected) -> dict[str, Any]:
+    effect, at = item.name
+    beside = None if item.beside is None else [item.beside[0], list(item.beside[1])]
+    random = item.random if np.isfinite(item.random) else None
+    figures = fields(item, "parameter", "kind", "half", "share", "shown")
     return {"effect": effect, "at": list(at), **figures, "random": random, "goes_with": beside}
 
 
@@ -248,11 +248,11 @@ def _of_log(arm: Arm, file: File, wanted: Sequence[Place]) -> MotionPlan:
     if not logs:
         raise InputError(str(file), "", "holds the tip's place; name a motion log")
     try:
-        motion, patterns, told = told_by(arm.model, logs[0].found, wanted)
+        motion, patterns, expected = expected_by(arm.model, logs[0].found, wanted)
     except ValueError as error:
         raise InputError(str(file), "", str(error)) from None
     limits = limits_of(arm.model, room_of(arm.model, None, ()), np.random.default_rng(1))
-    return MotionPlan(arm, MotionPlanResult(arm.model, motion, limits, (), told, patterns.unseen, 0, 1))
+    return MotionPlan(arm, MotionPlanResult(arm.model, motion, limits, (), expected, patterns.unseen, 0, 1))
 
 
 def _diagnosed(after: object, arm: Arm, progress: Progress | None) -> MotionDiagnosis:

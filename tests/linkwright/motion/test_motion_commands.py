@@ -191,7 +191,9 @@ def test_a_log_says_how_far_it_tells_names(tmp_path, capsys):
     said = " ".join(capsys.readouterr().out.split())
     assert "1 of 3 names are told" in said
     assert "cannot be told: goes with" in said
-    told = {item["effect"]: item for item in json.loads((tmp_path / "told.json").read_text(encoding="utf-8"))["told"]}
+    told = {
+        item["effect"]: item for item in json.loads((tmp_path / "told.json").read_text(encoding="utf-8"))["expected"]
+    }
     assert told["payload"]["goes_with"] == ["link_inertial", [4]]
     assert told["friction_viscous"]["shown"]
     assert told["friction_viscous"]["random"] is None

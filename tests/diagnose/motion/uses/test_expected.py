@@ -11,7 +11,7 @@ from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint, Link
 from linkwright.core.arm.motion.dynamics import model_torque
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.diagnose.motion.log import MotionLog
-from linkwright.core.diagnose.motion.uses.expected import RATE, Patterns, told_by
+from linkwright.core.diagnose.motion.uses.expected import RATE, Patterns, expected_by
 from linkwright.core.diagnose.motion.uses.plan import plan_motion
 from linkwright.core.diagnose.motion.uses.trajectory import limits_of, moved, random_series
 from linkwright.core.units.quantities import InputError
@@ -56,11 +56,11 @@ def test_names_that_go_together_are_told_so():
     arm, motion = an_arm(), a_motion(an_arm(), 2)
     payload, link = ("payload", ()), ("link_inertial", (2,))
     both = Patterns.of(arm, [payload, link], motion)
-    told = {item.name: item for item in both.told(both.gram(motion))}
+    told = {item.name: item for item in both.expected(both.gram(motion))}
     assert not told[payload].shown
     assert (told[payload].beside, told[link].beside) == (link, payload)
     alone = Patterns.of(arm, [payload], motion)
-    (item,) = alone.told(alone.gram(motion))
+    (item,) = alone.expected(alone.gram(motion))
     assert item.shown
     assert item.share < 0.1
 
@@ -75,12 +75,12 @@ def test_a_log_says_what_it_tells():
     still[:, 1] = still[0, 1]
     torque = model_torque(Motion(arm, motion.time, still, np.gradient(still, 0.005, axis=0), np.zeros_like(still)))
 
-    def told(loud):
+    def expected(loud):
         noise = loud * draw.standard_normal(torque.shape)
         log = MotionLog("log.csv", motion.time, still, torque + noise, np.arange(len(still)))
-        return {item.name: item for item in told_by(arm, log, [*FRICTION, ("friction_viscous", (2,))])[2]}
+        return {item.name: item for item in expected_by(arm, log, [*FRICTION, ("friction_viscous", (2,))])[2]}
 
-    quiet, loud = told(0.5), told(2.0)
+    quiet, loud = expected(0.5), expected(2.0)
     assert loud[FRICTION[1]].half / quiet[FRICTION[1]].half == pytest.approx(4.0, rel=0.1)
     resting = quiet["friction_viscous", (2,)]
     assert (resting.shown, resting.beside) == (False, None)
@@ -91,8 +91,8 @@ def test_a_planned_motion_tells_more_than_twenty_at_random():
     arm = an_arm(peak_torque=34.0)
     wanted = [("armature", (1,)), ("payload", ())]
     plan = plan_motion(arm, wanted, Room(), seconds=10.0)
-    assert {item.name for item in plan.told} == set(wanted)
-    ratios = [item.share / item.random for item in plan.told]
+    assert {item.name for item in plan.expected} == set(wanted)
+    ratios = [item.share / item.random for item in plan.expected]
     assert math.exp(np.mean(np.log(ratios))) < 0.6
     assert np.abs(model_torque(plan.motion)).max() <= 34.0
     loose = plan_motion(an_arm(), wanted, Room(), seconds=10.0)
