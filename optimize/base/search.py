@@ -161,8 +161,8 @@ class _Search:
         return self.problem.objective.badness(self.best.objective)
 
     def _begun(self) -> Iterator[Array]:
-        """The best places of a grid for the arm as given that are no neighbours, those out of reach last; then where the
-        arm file has it, for no answer may be worse than that place gives."""
+        """The best places of a grid for the arm as given that are no neighbours, those out of reach last; then where
+        the arm file has it, for no answer may be worse than that place gives."""
         error = self.held_error(self.problem.arm)
         steps = np.linspace(0.0, 1.0, _GRID[len(self.axes) - 1])
         grid = [np.array(at) for at in itertools.product(steps, repeat=len(self.axes))]
