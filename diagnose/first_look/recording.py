@@ -167,7 +167,8 @@ def _shown(look: TipEvidence) -> tuple[list[Transformation], list[Transformation
 def _unit_by_size(look: TipEvidence, units: Sequence[Transformation]) -> Transformation | None:
     """The unit of all tips under which they spread as the arm's do; None where they do as they are."""
     went = _spread(nominal(look.arm, look.q, look.tip.shape[1])[0]) / _spread(look.tip)
-    tips = [each for each in units if len(each.acts_on) == look.tip.shape[1] and np.ptp(np.diag(each.tip)) == 0.0]
+    # A unit of the joints leaves the tips as they are, also where there are as many joints as coordinates.
+    tips = [each for each in units if each.tip[0, 0] != 1.0 and np.ptp(np.diag(each.tip)) == 0.0]
     off = [abs(math.log(went / each.tip[0, 0])) for each in (*tips, look.library.none)]
     return (*tips, None)[int(np.argmin(off))]
 

@@ -46,6 +46,13 @@ def test_a_joint_that_the_one_before_takes_along(tmp_path, part):
     assert f"joint 2 turns by {part:.3g} of q1_deg as well as by q2_deg" in line
 
 
+def test_a_scale_and_a_sign_of_an_arm_with_as_many_joints_as_coordinates(tmp_path):
+    """Units of two joints are as many as those of a tip in a plane: the look ends, and the recording is refused."""
+    q = poses(12, joints=2)
+    tip = planar_tip(q * [1.0, -1.0], (0.5, 0.4)) * [0.5, 1.0]
+    assert "belong together" in refusal(written(tmp_path / "r.csv", table(q, tip)), planar_arm((0.5, 0.4)))
+
+
 def soft_loop(*degrees):
     """20 N*m/rad under 13.7 N*m when level: poses, each twice; the joint stands where spring and weight agree."""
     commanded = np.repeat(np.radians(degrees), 2)
