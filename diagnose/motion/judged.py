@@ -128,7 +128,7 @@ def judged(arm: Arm, identified: Identified, start: Array, more: Sequence[Effect
     named = _settled(arm, identified, _wide(identified.members, rules), start, more)
     named = _without_harm(arm, identified, given, named, more)
     textbook = _settled(arm, identified, _textbook(identified), None, (), bare)
-    ridge = _settled(arm, identified, _with_rest(identified, named.members), None, more)
+    ridge = _settled(arm, identified, _with_rest(identified, named.members, rules), None, more)
     filed: tuple[tuple[Name, Filed], ...] = (
         ("nominal", given),
         ("named", named),
@@ -157,11 +157,11 @@ def _textbook(identified: Identified) -> tuple[Member, ...]:
     )
 
 
-def _with_rest(identified: Identified, members: Sequence[Member]) -> tuple[Member, ...]:
-    """What was named, and the textbook's numbers held to what is usual."""
+def _with_rest(identified: Identified, members: Sequence[Member], rules: Rules) -> tuple[Member, ...]:
+    """What was named, and the textbook's numbers held to small sizes."""
     families = {identified.pool.groups[member.group].family for member in members}
     rest = (m for m in _textbook(identified) if identified.pool.groups[m.group].family not in families)
-    return (*members, *(Member(member.group, 1.0) for member in rest))
+    return (*members, *(Member(member.group, rules.motion.unnamed) for member in rest))
 
 
 def _about(identified: Identified, arm: Arm, sizes: Array) -> _Linearised:
