@@ -55,7 +55,7 @@ def diagnose(
 ) -> "Diagnosis | MotionDiagnosis":
     """What the model of an arm leaves out, by recordings of the real one: where, what, how sure, and what to do.
 
-    A motion log (a clock, joint coordinates, torques or currents) says what is left out of the torques of the drives.
+    A motion log (a clock, joint coordinates, torques or currents) says what is missing in the torques of the drives.
 
     Example: linkwright diagnose arm.yaml recording.csv --out result
     Example: linkwright diagnose robot.urdf log.csv --out result
@@ -126,7 +126,7 @@ def compare(
 ) -> "Comparison | MotionComparison":
     """What changed between two recordings of one arm: parameters with intervals, noise, figures of the standards.
 
-    Of two motion logs: the sizes of what is left out of the torques, in each.
+    Of two motion logs: the sizes of what is missing in the torques, in each.
 
     Example: linkwright compare arm.yaml before.csv after.csv --json changes.json
 
