@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from abc import ABC, abstractmethod
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 from typing import Any, ClassVar, Literal, Self, TypeAlias
@@ -393,7 +393,3 @@ def poisson_square(poisson_ratio: Number) -> Number:
     stress that nu brings is self-equilibrated and so orthogonal to the gradient field that remains at nu = 0.
     """
     return (poisson_ratio / (1.0 + poisson_ratio)) ** 2
-
-
-Dimensions: TypeAlias = Mapping[str, Any]
-"""Dimensions by name, m."""

@@ -528,10 +528,5 @@ class Arm:
         return replace(self, links=links)
 
 
-def askew(section: Section) -> bool:
-    """Whether a section has no axis of symmetry along its height or width, so that it bends out of the load's plane."""
-    return asymmetry_of(section).askew
-
-
 def _about_z(rotation: Any) -> bool:
     return rotation[2] == (0.0, 0.0, 1.0)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from typing import TYPE_CHECKING
 
 from .chain import Arm, Joint, Link
@@ -11,15 +10,15 @@ if TYPE_CHECKING:
     from linkwright.core.materials.material import Material
 
 
-def fixed_price(arm: Arm, joints: Sequence[Joint] | None = None) -> tuple[float, str]:
+def fixed_price(arm: Arm) -> tuple[float, str]:
     """The sum (EUR) of what neither a section nor a length changes: joints, rigid links, work by the part; and in words
-    what has no price, an empty text where all is known. `joints` are those that count, all by default.
+    what has no price, an empty text where all is known.
 
     A joint costs what it says itself, or else what its actuator does; one with neither costs nothing. A link's `cost`
     comes on top of its material and of the arm's `machining`; a rigid link has no other.
     """
     total, lacking = 0.0, ""
-    for number, joint in enumerate(arm.joints if joints is None else joints, start=1):
+    for number, joint in enumerate(arm.joints, start=1):
         price = price_of(joint)
         if price is None and joint.actuator is not None:
             lacking = lacking or f"no price is known of {joint.actuator.name}, the actuator of joint {number}"

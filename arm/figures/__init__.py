@@ -9,7 +9,6 @@ from typing import Any
 from linkwright.core.arm.figures.proportions import WALL_SLENDERNESS
 from linkwright.core.arm.figures.tip_stiffness import SIDEWAYS_STIFFNESS
 from linkwright.core.registries import Registry
-from linkwright.core.units.quantities import Relation
 from linkwright.core.units.units import kinds
 
 from .along import DIRECTED, ORIENTATION_ERROR, REPEATABILITY, Directed, Direction
@@ -106,11 +105,6 @@ FIGURES.ship(
 )
 
 
-def limit_on(name: str, relation: Relation, value: float) -> Limit:
-    """The limit (SI) on a figure of that name."""
-    return Limit(FIGURES[name], relation, value)
-
-
 def families_of(figures: Mapping[str, Figure]) -> tuple[PoseFamily[Any], ...]:
     """The families of figures that have a value at every pose."""
     families = (figure.follows.family for figure in figures.values() if isinstance(figure.follows, ThroughPoses))
@@ -153,6 +147,5 @@ __all__ = [
     "excess",
     "families_of",
     "figures_of",
-    "limit_on",
     "shortfall",
 ]

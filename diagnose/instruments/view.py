@@ -7,7 +7,6 @@ arm stands, as everywhere in the diagnosis.
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
 from typing import Any
@@ -384,7 +383,3 @@ def rigid_motions(at: Array) -> Array:
     shifts = np.broadcast_to(np.eye(3), (len(at), 3, 3))
     turns = np.stack([np.cross(axis, at) for axis in np.eye(3)], axis=2)
     return np.concatenate([shifts, turns], axis=2)
-
-
-AXES = tuple(f"{what} {axis}" for what, axis in itertools.product(("along", "about"), "xyz"))
-"""What `rigid_motions` are, in their order."""

@@ -230,7 +230,7 @@ def triangle(columns: Array) -> Array:
     return np.asarray(np.linalg.qr(columns, mode="r"), dtype=np.float64)
 
 
-def length_along(columns: Array, vector: Array, tolerance: float = 1e-10) -> float:
+def length_along(columns: Array, vector: Array) -> float:
     """How long a vector (n,) is within the span of columns (n, d), by their triangle: `orthonormal` without a basis."""
     if not columns.any():
         return 0.0
@@ -238,7 +238,7 @@ def length_along(columns: Array, vector: Array, tolerance: float = 1e-10) -> flo
     size = np.linalg.norm(whole, axis=0)
     size = np.where(size > 0.0, size, 1.0)
     _, s, vt = np.linalg.svd(whole / size, full_matrices=False)
-    seen = s > tolerance * s[0]
+    seen = s > 1e-10 * s[0]
     return float(np.linalg.norm((vt[seen] @ (columns.T @ vector / size)) / s[seen]))
 
 

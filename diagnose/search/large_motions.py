@@ -10,7 +10,6 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 
 import numpy as np
-from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.diagnose.fitting.corrected_arm import as_entry
@@ -21,7 +20,6 @@ from linkwright.core.diagnose.residual.observed import Observed, rms_length
 
 from .naming import Named, Namer
 
-Array = NDArray[np.float64]
 Entries = tuple[EffectEntry, ...]
 ROUNDS = 4
 """Of search, or of a fit, about large findings, until they no longer change."""

@@ -7,7 +7,6 @@ from dataclasses import dataclass, fields, is_dataclass, replace
 from typing import Any, TypeVar
 
 import numpy as np
-from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.conditions import Conditions
@@ -15,7 +14,6 @@ from linkwright.core.arm.chain.kinematics import Orientation
 from linkwright.core.arm.chain.vectors import Scalar
 
 Held = TypeVar("Held")
-Array = NDArray[np.float64]
 
 
 @dataclass(frozen=True)

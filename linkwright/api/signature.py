@@ -109,7 +109,6 @@ T = TypeVar("T")
 Listed = Annotated[T, Option(metavar="LIST", kind=str, read=listed)]
 """Several values in one word, between commas."""
 Numbered = Annotated[T, Option(metavar="N")]
-Text = Annotated[T, Option(kind=str)]
 
 
 class _Words:

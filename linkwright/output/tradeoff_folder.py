@@ -17,20 +17,12 @@ from linkwright.output.arm_file import arm_file
 from linkwright.output.files import REPORT, RESULT, ReadBack, claim_folder, made_folder, refuse_strangers, write_each
 from linkwright.report.charts.fronts import slope_factor, tradeoff_picture
 from linkwright.results.figures_in_words import section_words
-from linkwright.version import program_version
-
-COMMAND = "linkwright tradeoff"
 
 
 def _written(result: Tradeoff) -> list[tuple[str, str, float]]:
     """The figures that are told of a point: their names, those in the files, and what one SI unit is in their unit."""
     figures = [(figure.name, figure.key, figure.factor) for figure in result.asked.given.figures.values()]
     return [figures[0], ("upper_bound", "upper_bound_mm", 1e3), *figures[1:]]
-
-
-def made_by() -> str:
-    """The command and the version that write the files."""
-    return f"{COMMAND} {program_version()}"
 
 
 def point_file(result: Tradeoff, point: Point) -> str:

@@ -97,11 +97,6 @@ class Deformation:
         from_weight = self.weight * self.equations.deflection(angles)
         return from_weight + self.tool * self.equations.tool_deflection(angles) if self.tool else from_weight
 
-    @cached_property
-    def at_stretch(self) -> float:
-        """Its size with the arm held straight out, where it is largest, m."""
-        return float(np.hypot(*self.at(np.zeros((1, 3)))[0]))
-
     def worst_with(self, backlash: Sequence[float]) -> float:
         """The largest distance over all poses (m) where links turn by `backlash` (rad, three, signed) as well."""
         lengths = self.equations.parameters.lengths

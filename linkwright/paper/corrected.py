@@ -24,8 +24,6 @@ from linkwright.paper.printed import FILE, Paper
 
 DEFORMATION = frozenset({"link_bending", "slope_propagation", "axial", "torsion", "shear_deformation"})
 """The effects that are deformation; left out for the figures without it."""
-PAPER_PHYSICS = frozenset({"slope_propagation", "shear_deformation"})
-"""What the paper's deformation leaves out of ours."""
 
 
 @dataclass(frozen=True)

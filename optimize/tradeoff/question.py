@@ -17,9 +17,6 @@ Reach = Literal["long", "short"]
 
 _LOOSE = 1e9
 """A limit at this value (or its reciprocal, where more is better) holds nothing back."""
-_LISTED = frozenset({"poses", "weights"})
-_BOUNDS = 2
-"""Which way combinations are excluded at a point: what was solved in another one is another question's."""
 
 
 @dataclass(frozen=True)

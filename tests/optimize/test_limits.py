@@ -16,7 +16,7 @@ from rich.console import Console
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
 from linkwright.core.arm.errors.model import beam_values, beams_of
 from linkwright.core.arm.evaluation import evaluate
-from linkwright.core.arm.figures import FIGURES, Figure, OfLinks, limit_on
+from linkwright.core.arm.figures import FIGURES, Figure, Limit, OfLinks
 from linkwright.core.arm.figures.tip_stiffness import least_stiffness, tip_compliance
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.materials.material import Material
@@ -303,5 +303,5 @@ def test_a_new_limit_is_one_object(tmp_path: Path) -> None:
 
 
 def test_limits_of_the_house_are_found_by_name() -> None:
-    limit = limit_on("tip_stiffness", ">=", 5e5)
+    limit = Limit(FIGURES["tip_stiffness"], ">=", 5e5)
     assert limit.text == "tip_stiffness >= 500 N/mm"

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from linkwright.core.arm.errors.model import error_model
 from linkwright.core.arm.evaluation import evaluate
-from linkwright.core.arm.figures import FIGURES, limit_on
+from linkwright.core.arm.figures import FIGURES, Limit
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.choice.combinations import combinations
 from linkwright.core.optimize.exchange.design import arm_of, design_space, numeric_beams
@@ -115,7 +115,7 @@ def test_straight_lines_between_points_are_right(traced: Tradeoff) -> None:
         if (left.number, right.number) in steps:
             continue
         mass = left.x + (right.x - left.x) / 3.0
-        limits = (*[x for x in traced.asked.given.limits if x.name != "mass"], limit_on("mass", "<=", mass))
+        limits = (*[x for x in traced.asked.given.limits if x.name != "mass"], Limit(FIGURES["mass"], "<=", mass))
         best = 1e-3 * best_value(replace(traced.asked.given, minimize="max_error", limits=limits))
         straight = left.y + (right.y - left.y) / 3.0
         assert straight == pytest.approx(best, rel=0.01)
@@ -245,7 +245,7 @@ def test_envelope_is_the_best_of_the_fronts(tmp_path: Path) -> None:
     # Where steel takes over the straight line was measured as well: both materials solved anew in between.
     (change,) = [(a, b) for a, b in pairwise(on) if a.front != b.front][:1]
     mass = 0.5 * (change[0].x + change[1].x)
-    free = replace(asked.given, minimize="max_error", limits=(limit_on("mass", "<=", mass),))
+    free = replace(asked.given, minimize="max_error", limits=(Limit(FIGURES["mass"], "<=", mass),))
     best = 1e-3 * best_value(free)
     straight = 0.5 * (change[0].y + change[1].y)
     assert straight == pytest.approx(best, rel=0.04)

@@ -230,23 +230,20 @@ def _fill(
             design[joint][np.ix_(numbers, np.array(at[joint]))] = values[within]
 
 
-def joint_rows(logs: Sequence[LogRows], chosen: Sequence[int] | None = None) -> list[JointRows]:
-    """Each joint's rows over several logs, one after the other (all by default)."""
-    use = list(range(len(logs))) if chosen is None else list(chosen)
-    offsets = np.cumsum([0, *(int(logs[k].block.max()) + 1 for k in use)])
-    block = np.concatenate([logs[k].block + offset for k, offset in zip(use, offsets, strict=False)])
-    log = np.concatenate([np.full(len(logs[k].block), k) for k in use])
-    by_joint: list[JointRows] = []
-    for joint, columns in enumerate(logs[use[0]].columns):
-        by_joint.append(
-            JointRows(
-                columns,
-                np.concatenate([logs[k].design[joint] for k in use]),
-                np.concatenate([logs[k].target[:, joint] for k in use]),
-                block,
-                log,
-                np.concatenate([logs[k].prepared.moving[:, joint] for k in use]),
-                np.concatenate([logs[k].prepared.near[:, joint] for k in use]),
-            )
+def joint_rows(logs: Sequence[LogRows]) -> list[JointRows]:
+    """Each joint's rows over several logs, one after the other."""
+    offsets = np.cumsum([0, *(int(log.block.max()) + 1 for log in logs)])
+    block = np.concatenate([log.block + offset for log, offset in zip(logs, offsets, strict=False)])
+    number = np.concatenate([np.full(len(log.block), k) for k, log in enumerate(logs)])
+    return [
+        JointRows(
+            columns,
+            np.concatenate([log.design[joint] for log in logs]),
+            np.concatenate([log.target[:, joint] for log in logs]),
+            block,
+            number,
+            np.concatenate([log.prepared.moving[:, joint] for log in logs]),
+            np.concatenate([log.prepared.near[:, joint] for log in logs]),
         )
-    return by_joint
+        for joint, columns in enumerate(logs[0].columns)
+    ]

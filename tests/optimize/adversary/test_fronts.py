@@ -9,7 +9,7 @@ from pathlib import Path
 
 import pytest
 
-from linkwright.core.arm.figures import limit_on
+from linkwright.core.arm.figures import FIGURES, Limit
 from linkwright.core.optimize.choice.picks import combinations
 from linkwright.core.optimize.exchange.exchange import Exchange
 from linkwright.core.optimize.run import optimise
@@ -61,7 +61,7 @@ def test_a_mixed_combination_is_best_between_two_plain_ends(tmp_path: Path) -> N
     assert (between.unsolved, between.combination.shapes) == (0, ("rectangular_tube", "tube"))
     assert between.badness == pytest.approx(8.2331e-3, rel=2e-4)
     rest = tuple(limit for limit in asked.given.limits if limit.name != "mass")
-    best = optimise(replace(asked.given, minimize="max_error", limits=(*rest, limit_on("mass", "<=", 0.42738))))
+    best = optimise(replace(asked.given, minimize="max_error", limits=(*rest, Limit(FIGURES["mass"], "<=", 0.42738))))
     assert between.badness == pytest.approx(best.objective, rel=WITHIN)
 
 
