@@ -22,7 +22,7 @@ from scipy.spatial.transform import Rotation
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.sections.numeric import Array
 
-from .placement import UNDETERMINED, rigid
+from .placement import UNDETERMINED, axes_in_words, rigid
 from .registry import kinds_of
 
 if TYPE_CHECKING:
@@ -289,11 +289,11 @@ class _Sighting:
         shares = np.sum(untold**2, axis=0)
         what, where = ("camera", "target") if self.carried else ("target", "camera")
         named = self.rules.named_part
-        axes = [axis for axis, part in zip("xyz", shares[6:9].tolist(), strict=True) if part > named]
+        axes = axes_in_words(shares[6:9], named)
         if axes:
             return (
                 f"The tool hardly turns about more than one axis. The {what}'s place on the tool along "
-                f"{' and '.join(axes)} cannot be told apart from where the {where} stands. The arm file's value is "
+                f"{axes} cannot be told apart from where the {where} stands. The arm file's value is "
                 "kept.",
             )
         if (shares[9:12] > named).any():

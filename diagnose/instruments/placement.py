@@ -94,6 +94,19 @@ def rigid(measured: Array, goal: Array, weight: Array | None = None) -> tuple[Ar
     return rotation, end - rotation @ center
 
 
+def determined(design: Array, target: Array) -> tuple[Array, Array]:
+    """Least squares of a target (n,) by columns (n, k) in the directions alone that the readings tell, and the other
+    directions (m, k): those that move less than a share of the best."""
+    u, s, vt = np.linalg.svd(design, full_matrices=False)
+    told = s > UNDETERMINED * s[0]
+    return vt[told].T @ ((u[:, told].T @ target) / s[told]), vt[~told]
+
+
+def axes_in_words(shares: Array, named: float) -> str:
+    """The axes whose shares (3,) are above what is named: `x and z`; empty where none is."""
+    return " and ".join(axis for axis, part in zip("xyz", shares.tolist(), strict=False) if part > named)
+
+
 def turn_of(rotation: Array) -> float:
     """The angle of a rotation matrix in the plane or in space, rad."""
     if len(rotation) == 2:

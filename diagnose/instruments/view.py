@@ -23,7 +23,7 @@ from linkwright.core.sections.numeric import Array
 from .camera import DEPTHS, Sight, is_camera, sighted
 from .kind import Change, Frame, Marked, Part, Scene, Seen
 from .level import Stand
-from .placement import UNDETERMINED
+from .placement import axes_in_words, determined
 from .registry import kinds_of, marked, slots_of
 
 _STEPS, _START_STEPS, _START_ROWS = 40, 6, 150
@@ -310,7 +310,7 @@ class _Viewing:
             stepped = sum(part.shape[2] for part in columns)
             beside = [column for part, state in self._each(place) for column in part.beside(state, seen)[0]]
             design = np.concatenate([*columns, *beside], axis=2).reshape(-1, stepped + sum(p.shape[2] for p in beside))
-            step, undetermined = _determined(design, seen.residual.reshape(-1), stepped, UNDETERMINED)
+            step, undetermined = _determined(design, seen.residual.reshape(-1), stepped)
             at = 0
             if self.frame_free:
                 shift, turn = np.zeros(3), np.zeros(3)
@@ -339,12 +339,10 @@ class _Viewing:
         sentences: list[str] = []
         shares = np.sum(undetermined**2, axis=0)
         if self.tool_free:
-            shares_of_tool = shares[len(shares) - self.width :]
-            named = self.scene.rules.named_part
-            axes = [axis for axis, part in zip("xyz", shares_of_tool.tolist(), strict=False) if part > named]
+            axes = axes_in_words(shares[len(shares) - self.width :], self.scene.rules.named_part)
             if axes:
                 sentences.append(
-                    f"The target's place on the tool along {' and '.join(axes)} cannot be told from what was measured, "
+                    f"The target's place on the tool along {axes} cannot be told from what was measured, "
                     "and is left as the arm file has it."
                 )
         at = (self.width + (1 if self.flat else 3)) if self.frame_free else 0
@@ -355,21 +353,15 @@ class _Viewing:
         return tuple(sentences)
 
 
-def _determined(design: Array, target: Array, stepped_count: int, share: float) -> tuple[Array, Array]:
-    """Least squares of a target (n,) by columns (n, k) in the directions that the readings tell: the step of the first
-    `stepped_count`, and which directions of them are not told (m, own), those that move less than a share of the
-    best."""
-    beside = design[:, stepped_count:]
+def _determined(design: Array, target: Array, stepped_count: int) -> tuple[Array, Array]:
+    """The step of the first `stepped_count` of columns (n, k), what the others take of a target (n,) left aside, and
+    which directions of the step are not told (m, own)."""
+    stepped, beside = design[:, :stepped_count], design[:, stepped_count:]
     if beside.shape[1]:
         basis, size, _ = np.linalg.svd(beside, full_matrices=False)
         basis = basis[:, size > 1e-9 * size[0]]
-        design, target = (
-            design[:, :stepped_count] - basis @ (basis.T @ design[:, :stepped_count]),
-            target - basis @ (basis.T @ target),
-        )
-    u, s, vt = np.linalg.svd(design[:, :stepped_count], full_matrices=False)
-    determined = s > share * s[0]
-    return vt[determined].T @ ((u[:, determined].T @ target) / s[determined]), vt[~determined]
+        stepped, target = stepped - basis @ (basis.T @ stepped), target - basis @ (basis.T @ target)
+    return determined(stepped, target)
 
 
 def _marked(rows: NDArray[np.int64], count: int) -> NDArray[np.bool_]:

@@ -202,22 +202,13 @@ def _effects(options: Options) -> list[Effect]:
 
 def _all_prepared(arm: Arm, logs: Sequence[MotionLog], rules: Rules) -> tuple[Sequence[MotionLog], list[PreparedLog]]:
     """The logs, currents as torques, and the same prepared."""
-    prepared = [_prepared(arm, log, rules) for log in logs]
+    prepared = [prepare(arm, log, rules=rules) for log in logs]
     if not prepared:
         raise InputError("", "", "no motion log; name at least one")
     if any(log.torque_constants_free for log in logs):
         logs = weighed(arm, prepared, rules=rules)
-        prepared = [_prepared(arm, log, rules) for log in logs]
+        prepared = [prepare(arm, log, rules=rules) for log in logs]
     return logs, prepared
-
-
-def _prepared(arm: Arm, log: MotionLog, rules: Rules) -> PreparedLog:
-    if log.q.shape[1] != arm.size:
-        raise InputError(log.file, "", f"the log has {log.q.shape[1]} joints, the arm {arm.size}")
-    try:
-        return prepare(arm, log, rules=rules)
-    except ValueError as error:
-        raise InputError(log.file, "", str(error)) from None
 
 
 def _structure(identified: Identified, joint: int, options: Options) -> Structure:

@@ -11,7 +11,6 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.motion.dynamics import model_torque
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
-from linkwright.core.units.quantities import InputError
 
 from .log import MotionLog
 from .preparation import prepare
@@ -43,12 +42,7 @@ def predict_motion(arm: Arm, log: MotionLog, *, rules: Rules = RULES) -> MotionP
     Raises:
         InputError: The log has other joints than the arm, or no stretch of a second.
     """
-    if log.q.shape[1] != arm.size:
-        raise InputError(log.file, "", f"the log has {log.q.shape[1]} joints, the arm {arm.size}")
-    try:
-        prepared = prepare(arm, log, rules=rules)
-    except ValueError as error:
-        raise InputError(log.file, "", str(error)) from None
+    prepared = prepare(arm, log, rules=rules)
     left, logged = np.zeros((len(prepared.kept), arm.size)), np.zeros((len(prepared.kept), arm.size))
     for part, numbers, within in prepared.pieces():
         measured = prepared.measured[part]

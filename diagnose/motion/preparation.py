@@ -17,6 +17,7 @@ from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.diagnose.first_look.smoothing import bridged
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
+from linkwright.core.units.quantities import InputError
 
 from .log import MotionLog
 
@@ -135,8 +136,10 @@ def low_pass(columns: Array, cutoff: float, rate: float) -> Array:
 def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
     """A log prepared for an arm by rules.
 
-    Raises ValueError where no stretch of it is longer than a second.
+    Raises `InputError` where it has other joints than the arm, or no stretch of a second.
     """
+    if log.q.shape[1] != arm.size:
+        raise InputError(log.file, "", f"the log has {log.q.shape[1]} joints, the arm {arm.size}")
     step = float(np.median(np.diff(log.time)))
     rate = 1.0 / step
     held = _HELD * rate >= min(log.cutoff or np.inf, rules.motion.low_pass[0])
@@ -227,7 +230,7 @@ def _clocks(log: MotionLog, gap: float, step: float | None) -> list[Array]:
             clock = log.time[a:b]
             times.append(clock if step is None else np.arange(clock[0], clock[-1], step))
     if not times:
-        raise ValueError("no stretch of the log is longer than a second")
+        raise InputError(log.file, "", "no stretch of the log is longer than a second")
     return times
 
 

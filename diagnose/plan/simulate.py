@@ -17,8 +17,7 @@ from linkwright.core.arm.avoid.poses import NoRoom, drawn, room_of
 from linkwright.core.arm.chain.arrays import columns, matrices
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.following import completed
-from linkwright.core.arm.chain.statics import PoseState, solve
-from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.errors.recorded import Asked, Channels, seen, seen_of_model
 from linkwright.core.arm.errors.tip import active_effects
 from linkwright.core.diagnose.instruments.instrument import Instrument
@@ -27,7 +26,8 @@ from linkwright.core.diagnose.instruments.level import stand_of
 from linkwright.core.diagnose.instruments.registry import kinds_of, slots_of
 from linkwright.core.diagnose.instruments.touching import touched
 from linkwright.core.diagnose.recording import Recording, since_the_reading_before
-from linkwright.core.diagnose.residual.recorded_conditions import conditions_of
+from linkwright.core.diagnose.residual.observe import undeformed
+from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.temperature import ZERO_CELSIUS
 
@@ -135,7 +135,7 @@ def simulate(arm: Arm, plan: Plan) -> Simulation:
     camera = kind is not None and kind.name == "camera"
     if kind is not None and kind.label:
         bare = _touching(bare, arm, plan, random)
-    state = _state(bare, arm)
+    state = undeformed(arm, bare, RULES.residual)
     if plan.torque_noise:
         loads = [np.broadcast_to(np.asarray(joint.drive_load), (bare.size,)) for joint in state.joints]
         # Noise of its own: the same seed gives the same tips with and without torques.
@@ -278,7 +278,7 @@ def _touching(bare: Recording, arm: Arm, plan: Plan, random: np.random.Generator
     off = plan.noise * random.standard_normal((bare.size, 3)) + _outliers(plan, random, (bare.size, 3))
 
     def tips(q: Array) -> Array:
-        state = _state(replace(bare, q=q), arm)
+        state = undeformed(arm, replace(bare, q=q), RULES.residual)
         moved = seen_of_model(state, active_effects(arm), Asked(bare.size))
         return columns(state.tip(), bare.size) + moved.tip
 
@@ -366,16 +366,6 @@ def _temperature(time: Array, limits: tuple[float, float], random: np.random.Gen
     share = (waves - waves.min()) / spread if spread > 0.0 else np.zeros_like(waves)
     celsius = limits[0] + (limits[1] - limits[0]) * share - ZERO_CELSIUS
     return np.round(celsius, 3) + ZERO_CELSIUS
-
-
-def _state(recording: Recording, arm: Arm) -> PoseState:
-    return solve(
-        arm,
-        [recording.q[:, index] for index in range(arm.size)],
-        beams_of(arm),
-        conditions=conditions_of(recording, arm),
-        payload_mass=recording.payload_mass,
-    )
 
 
 def _outliers(plan: Plan, random: np.random.Generator, shape: tuple[int, ...]) -> Array:

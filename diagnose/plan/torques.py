@@ -11,10 +11,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.chain.statics import solve
-from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.diagnose.recording import Recording
-from linkwright.core.diagnose.residual.recorded_conditions import conditions_of
+from linkwright.core.diagnose.residual.observe import undeformed
 from linkwright.core.diagnose.residual.torque import DriveDesign, drive_designs
 from linkwright.core.sections.numeric import Array
 
@@ -91,13 +89,7 @@ def _without_repetition(design: DriveDesign, request: Asked) -> tuple[Array, Arr
 
 def _designs(arm: Arm, recording: Recording, visit: NDArray[np.int64], request: Asked) -> Sequence[DriveDesign]:
     """What each drive's torque is fitted by at visits (N,)."""
-    state = solve(
-        arm,
-        [recording.q[:, index] for index in range(arm.size)],
-        beams_of(arm),
-        conditions=conditions_of(recording, arm, rules=request.rules.residual),
-        payload_mass=recording.payload_mass,
-    )
+    state = undeformed(arm, recording, request.rules.residual)
     return drive_designs(arm, recording, state, visit, request.rules.residual)
 
 

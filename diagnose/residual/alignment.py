@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
-from linkwright.core.diagnose.instruments.placement import UNDETERMINED, rigid
+from linkwright.core.diagnose.instruments.placement import axes_in_words, determined, rigid
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.diagnose.rules.rules import RULES
@@ -64,7 +64,7 @@ def aligned(
         if free_tool:
             columns += [-directions]
         design = (np.concatenate(columns, axis=2) / size).reshape(-1, len(size))
-        step, undetermined = _determined(design, -residual.reshape(-1), UNDETERMINED)
+        step, undetermined = determined(design, -residual.reshape(-1))
         step /= size
         if free_frame:
             turn = _rotation(step[width : width + turns])
@@ -78,25 +78,16 @@ def aligned(
     return Alignment(rotation, translation, tool, residual, sentences)
 
 
-def _determined(design: Array, target: Array, share: float) -> tuple[Array, Array]:
-    """Least squares of a target (n,) by columns (n, k) in the directions alone that the readings tell, and the other
-    directions (m, k): those that move less than a share of the best."""
-    u, s, vt = np.linalg.svd(design, full_matrices=False)
-    determined = s > share * s[0]
-    return vt[determined].T @ ((u[:, determined].T @ target) / s[determined]), vt[~determined]
-
-
 def _sentences(undetermined: Array, of_tool: int, named: float) -> tuple[str, ...]:
     """What the readings do not tell of frame and tool (m, k), whose last columns are the tool's, in words."""
     if not len(undetermined):
         return ()
     shares = np.sum(undetermined**2, axis=0)
-    tool = shares[len(shares) - of_tool :]
-    axes = [axis for axis, part in zip("xyz", tool.tolist(), strict=False) if part > named]
+    axes = axes_in_words(shares[len(shares) - of_tool :], named)
     if axes:
         return (
             "Frame and tool are both free, and the target hardly turns. The target's place on the tool along "
-            f"{' and '.join(axes)} cannot be told apart from where the measuring frame stands. The arm file's value is "
+            f"{axes} cannot be told apart from where the measuring frame stands. The arm file's value is "
             "kept.",
         )
     return (

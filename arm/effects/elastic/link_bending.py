@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from linkwright.core.arm.chain.beam import Beam, BendingFactors
 from linkwright.core.arm.chain.chain import Arm
@@ -31,25 +31,35 @@ def in_both_planes(link: LinkState, towards_height: Scalar, towards_width: Scala
     return times(in_height, 1.0 / rest), times(in_width, 1.0 / rest)
 
 
-def bent_end(link: LinkState) -> tuple[Scalar, Scalar]:
-    """Deflection (m) of a cantilever's far end along the section's height and width: (F L^3/3 + M L^2/2 + w
-    L^4/8)/EI."""
-    length, taper = link.beam.length, link.beam.taper
-
-    def forces(factors: BendingFactors) -> Vector:
-        return add(scale(1.0 / 3.0, link.force), scale(0.125 * factors.weight_deflection, link.weight))
+def end_bent(
+    link: LinkState, forces: Callable[[BendingFactors], Vector], by_moment: Callable[[BendingFactors], Scalar]
+) -> tuple[Scalar, Scalar]:
+    """What bends a cantilever's far end along the section's height and width over what resists it: `forces` times the
+    length, and its moment times `by_moment`, each by the factors of a plane."""
+    taper = link.beam.taper
 
     def load(force: Vector, direction: Vector, turning: Vector, factors: BendingFactors) -> Scalar:
         """`turning` is the axis about which a positive moment bends towards `direction`."""
-        moment = times(0.5 * factors.moment_deflection, dot(link.moment, turning))
-        return plus(times(length, dot(force, direction)), moment)
+        moment = times(by_moment(factors), dot(link.moment, turning))
+        return plus(times(link.beam.length, dot(force, direction)), moment)
 
     by_height = forces(taper.height)
     by_width = by_height if taper.width is taper.height else forces(taper.width)
     towards_height = load(by_height, link.height, link.width, taper.height)
     towards_width = load(by_width, link.width, scale(-1.0, link.height), taper.width)
-    in_height, in_width = in_both_planes(link, towards_height, towards_width)
-    return times(in_height, length * length), times(in_width, length * length)
+    return in_both_planes(link, towards_height, towards_width)
+
+
+def bent_end(link: LinkState) -> tuple[Scalar, Scalar]:
+    """Deflection (m) of a cantilever's far end along the section's height and width: (F L^3/3 + M L^2/2 + w
+    L^4/8)/EI."""
+
+    def forces(factors: BendingFactors) -> Vector:
+        return add(scale(1.0 / 3.0, link.force), scale(0.125 * factors.weight_deflection, link.weight))
+
+    in_height, in_width = end_bent(link, forces, lambda factors: 0.5 * factors.moment_deflection)
+    squared = link.beam.length * link.beam.length
+    return times(in_height, squared), times(in_width, squared)
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:

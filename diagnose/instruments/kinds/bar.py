@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 from typing import Any
@@ -49,19 +49,12 @@ class _Part(TouchPart):
         values[self.rows] = at[self.rows] - self._there(state)
         return Modelled.of_place(values, np.broadcast_to(np.eye(3), (len(at), 3, 3)))
 
-    def beside(self, state: Any, seen: Seen) -> tuple[list[Array], list[str]]:
-        """Each bar's place and turns."""
-        columns: list[Array] = []
-        names: list[str] = []
-        width = self.scene.width
-        for label in self.touched():
-            directions = np.where(self.only(label)[:, :, None], seen.shown[:, :, :width], 0.0)
-            sideways = across(state[1][label], flat=self.scene.flat)[:, :width]
-            turned = np.einsum("nwa,ka->nwk", directions, sideways) * self.along[:, None, None]
-            columns.append(np.concatenate([directions, turned], axis=2))
-            names += [f"{self.name(label)} {axis}" for axis in "xyz"[:width]]
-            names += [f"{self.name(label)} {what}" for what in ("turn", "other turn")[: len(sideways)]]
-        return columns, names
+    def of_label(self, state: Any, seen: Seen, label: int) -> tuple[Array, Sequence[str]]:
+        """The bar's place and turns."""
+        width, directions = self.scene.width, self.shifts(seen, label)
+        sideways = across(state[1][label], flat=self.scene.flat)[:, :width]
+        turned = np.einsum("nwa,ka->nwk", directions, sideways) * self.along[:, None, None]
+        return np.concatenate([directions, turned], axis=2), [*"xyz"[:width], *("turn", "other turn")[: len(sideways)]]
 
     def settled(self, state: Any, at: Array, settled: Array) -> None:
         """At its place along the bar."""

@@ -36,7 +36,7 @@ from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import Mapping as Reader
 
-from .plane import across
+from .plane import TILTS, across, tilted
 
 _STEPS = 4
 _GRAZING = 0.2
@@ -115,13 +115,11 @@ class _Part(Part):
         normal, _ = state
         modelled = self.model(state, seen.at, _NOWHERE)
         met = seen.at + modelled.values * self.beams
-        away = met - met[self.rows].mean(axis=0)
-        tangents = across(normal, flat=self.scene.flat)
         sine = self.beams @ normal
         meets = sine >= _GRAZING
-        moved = np.stack([np.ones(len(away)), *(away @ tangent for tangent in tangents)], axis=1)
+        moved = tilted(met - met[self.rows].mean(axis=0), normal, flat=self.scene.flat)
         moved = np.where(meets[:, None], moved / np.where(meets, sine, 1.0)[:, None], 0.0)
-        names = [f"surface {what}" for what in ("offset", "tilt", "other tilt")[: moved.shape[1]]]
+        names = [f"surface {what}" for what in TILTS[: moved.shape[1]]]
         return [np.where(self.mask[:, :, None], moved[:, None, :], 0.0)], names
 
     def change(self, state: Any, seen: Seen, frame: Frame) -> Change | None:

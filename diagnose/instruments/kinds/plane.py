@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -19,6 +20,15 @@ from .same_point import TouchPart
 def across(direction: Array, *, flat: bool) -> Array:
     """Directions across one (3,), (2, 3); in the plane the one, (1, 3)."""
     return np.array([[-direction[1], direction[0], 0.0]]) if flat else np.linalg.svd(direction[None])[2][1:]
+
+
+TILTS = ("offset", "tilt", "other tilt")
+
+
+def tilted(away: Array, normal: Array, *, flat: bool) -> Array:
+    """How far places (N, 3) on a plane, seen from its middle, go along its normal (3,) as it is moved and tilted:
+    (N, 3) for `TILTS`, (N, 2) in the plane."""
+    return np.stack([np.ones(len(away)), *(away @ tangent for tangent in across(normal, flat=flat))], axis=1)
 
 
 class _Part(TouchPart):
@@ -42,18 +52,11 @@ class _Part(TouchPart):
         shown[self.rows, 0] = normals[label]
         return Modelled.of_place(values, shown)
 
-    def beside(self, state: Any, seen: Seen) -> tuple[list[Array], list[str]]:
-        """Each plane's place and tilts."""
-        columns: list[Array] = []
-        names: list[str] = []
-        for label in self.touched():
-            rows = self.scene.touches == label
-            away = seen.at - seen.at[rows].mean(axis=0)
-            tangents = across(state[0][label], flat=self.scene.flat)
-            moved = np.stack([np.ones(len(away)), *(away @ tangent for tangent in tangents)], axis=1)
-            columns.append(np.where(self.only(label)[:, :, None], moved[:, None, :], 0.0))
-            names += [f"{self.name(label)} {what}" for what in ("offset", "tilt", "other tilt")[: moved.shape[1]]]
-        return columns, names
+    def of_label(self, state: Any, seen: Seen, label: int) -> tuple[Array, Sequence[str]]:
+        """The plane's place and tilts."""
+        rows = self.scene.touches == label
+        moved = tilted(seen.at - seen.at[rows].mean(axis=0), state[0][label], flat=self.scene.flat)
+        return np.where(self.only(label)[:, :, None], moved[:, None, :], 0.0), TILTS[: moved.shape[1]]
 
     def settled(self, state: Any, at: Array, settled: Array) -> None:
         """On the plane."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -41,6 +42,21 @@ class TouchPart(Part):
         """As the modelled tips have it."""
         return self.refit(None, self.scene.tips)
 
+    def beside(self, state: Any, seen: Seen) -> tuple[list[Array], list[str]]:
+        """What is unknown of each thing that is touched."""
+        touched = [(self.name(label), *self.of_label(state, seen, label)) for label in self.touched()]
+        return [columns for _, columns, _ in touched], [
+            f"{name} {what}" for name, _, whats in touched for what in whats
+        ]
+
+    def of_label(self, state: Any, seen: Seen, label: int) -> tuple[Array, Sequence[str]]:
+        """How readings move with what is unknown of one thing (N, W, k), and what each of these is."""
+        raise NotImplementedError
+
+    def shifts(self, seen: Seen, label: int) -> Array:
+        """What readings of one thing show of the tip's place (N, W, width)."""
+        return np.where(self.only(label)[:, :, None], seen.shown[:, :, : self.scene.width], 0.0)
+
 
 class _Part(TouchPart):
     """The state are the points (labels, 3), m."""
@@ -55,15 +71,9 @@ class _Part(TouchPart):
         values[self.rows] = at[self.rows] - state[self.label()]
         return Modelled.of_place(values, np.broadcast_to(np.eye(3), (len(at), 3, 3)))
 
-    def beside(self, state: Any, seen: Seen) -> tuple[list[Array], list[str]]:
-        """Each point's place."""
-        columns: list[Array] = []
-        names: list[str] = []
-        width = self.scene.width
-        for label in self.touched():
-            columns.append(-np.where(self.only(label)[:, :, None], seen.shown[:, :, :width], 0.0))
-            names += [f"{self.name(label)} {axis}" for axis in "xyz"[:width]]
-        return columns, names
+    def of_label(self, state: Any, seen: Seen, label: int) -> tuple[Array, Sequence[str]]:
+        """The point's place."""
+        return -self.shifts(seen, label), "xyz"[: self.scene.width]
 
     def settled(self, state: Any, at: Array, settled: Array) -> None:
         """At the point."""

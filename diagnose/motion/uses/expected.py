@@ -171,8 +171,8 @@ def expected_by(
 ) -> tuple[Motion, Patterns, tuple[Expected, ...]]:
     """How far a log tells names (none: all), before any diagnosis of it, with its motion and what was compared.
 
-    The noise is what its torques hold above the low-pass, and no less than filters leave. Raises ValueError where no
-    stretch of it is longer than a second.
+    The noise is what its torques hold above the low-pass, and no less than filters leave. Raises `InputError`
+    where no stretch of it is longer than a second.
     """
     prepared = prepare(arm, log, rules=RULES)
     every = max(1, round(prepared.rate / RATE))

@@ -247,10 +247,7 @@ def _of_log(arm: Arm, file: File, wanted: Sequence[Place]) -> MotionPlan:
     logs = logs_of(file, arm)
     if not logs:
         raise InputError(str(file), "", "holds the tip's place; name a motion log")
-    try:
-        motion, patterns, expected = expected_by(arm.model, logs[0].found, wanted)
-    except ValueError as error:
-        raise InputError(str(file), "", str(error)) from None
+    motion, patterns, expected = expected_by(arm.model, logs[0].found, wanted)
     limits = limits_of(arm.model, room_of(arm.model, None, ()), np.random.default_rng(1))
     return MotionPlan(arm, MotionPlanResult(arm.model, motion, limits, (), expected, patterns.unseen, 0, 1))
 
