@@ -10,6 +10,7 @@ from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.descriptions.formats import export_arm
 from linkwright.core.arm.motion.dynamics import model_torque
 from linkwright.core.arm.motion.motion import Motion
+from tests.arm.motion.by_mujoco import inverse
 from tests.arm.motion.test_rigid import random_arm
 
 RUBS = (
@@ -39,13 +40,7 @@ def states(size, seed=4):
 
 
 def in_mujoco(text, q, velocity, acceleration):
-    model = mujoco.MjModel.from_xml_string(text)
-    data, result = mujoco.MjData(model), []
-    for row in range(len(q)):
-        data.qpos[:], data.qvel[:], data.qacc[:] = q[row], velocity[row], acceleration[row]
-        mujoco.mj_inverse(model, data)
-        result.append(data.qfrc_inverse.copy())
-    return np.array(result)
+    return inverse(mujoco.MjModel.from_xml_string(text), q, velocity, acceleration)
 
 
 def with_effects(effects, *, gravity=None):

@@ -30,6 +30,7 @@ from linkwright.core.arm.motion.rigid import (
 )
 from linkwright.core.diagnose.motion import simulate
 from linkwright.core.units.quantities import InputError
+from tests.arm.motion.by_mujoco import inverse
 from tests.arm.motion.robots import PANDA, UR10E, urdf_of
 
 # pinocchio.rnea (Pinocchio 4.1.0) of the two URDFs at the states of `states_of`.
@@ -70,12 +71,7 @@ def motion_of(arm, q, velocity, acceleration, **more):
 
 def by_mujoco(model, q, velocity, acceleration):
     model.opt.disableflags |= mujoco.mjtDisableBit.mjDSBL_CONSTRAINT | mujoco.mjtDisableBit.mjDSBL_DAMPER
-    data, result = mujoco.MjData(model), []
-    for row in range(len(q)):
-        data.qpos[:], data.qvel[:], data.qacc[:] = q[row], velocity[row], acceleration[row]
-        mujoco.mj_inverse(model, data)
-        result.append(data.qfrc_inverse.copy())
-    return np.array(result)
+    return inverse(model, q, velocity, acceleration)
 
 
 def random_arm(seed, *, size=None, slides=True):

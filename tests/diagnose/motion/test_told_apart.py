@@ -15,6 +15,7 @@ from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
 from linkwright.core.diagnose.motion.reading.read import read_log
 from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding
 from linkwright.core.diagnose.rules.rules import RULES
+from tests.arm.motion.by_mujoco import as_csv, inverse
 from tests.costs import slow_but
 
 SIX = """<mujoco model="six"><compiler angle="radian"/><option gravity="0 0 -9.81"/><worldbody>
@@ -40,7 +41,6 @@ def log_of_six(seed: int, **more: str) -> str:
     """Coordinates and torques of 30 s at 100 Hz, as CSV."""
     rng = np.random.default_rng(seed)
     model = mujoco.MjModel.from_xml_string(SIX.format(**{"link": "", "tip": "", **more}))
-    data = mujoco.MjData(model)
     time = np.arange(3000) / 100.0
     q, v, a = (np.zeros((3000, 6)) for _ in range(3))
     for joint, (reach, fastest) in enumerate(zip(REACH, FASTEST, strict=True)):
@@ -49,18 +49,13 @@ def log_of_six(seed: int, **more: str) -> str:
         each = np.sin(angle) @ sizes, np.cos(angle) @ (sizes * rates), -np.sin(angle) @ (sizes * rates**2)
         least = min(reach / np.abs(each[0]).max(), fastest / np.abs(each[1]).max())
         q[:, joint], v[:, joint], a[:, joint] = (least * item for item in each)
-    torque = np.zeros_like(q)
-    for row in range(len(q)):
-        data.qpos, data.qvel, data.qacc = q[row], v[row], a[row]
-        mujoco.mj_inverse(model, data)
-        torque[row] = data.qfrc_inverse
+    torque = inverse(model, q, v, a)
     way = np.tanh(v / 0.003)
     torque += DRY * (way * (1.0 + 0.15 * np.exp(-((v / 0.08) ** 2))) + 0.6 * v) + 0.02 * way * np.abs(torque)
     torque = lfilter([0.95], [1.0, -0.05], torque, axis=0)
     torque += 0.1 * rng.normal(size=torque.shape)
     names = ["t_s", *(f"q{k}_rad" for k in range(1, 7)), *(f"tau{k}_Nm" for k in range(1, 7))]
-    rows = np.column_stack([time, q, torque]).tolist()
-    return "\n".join([",".join(names), *(",".join(f"{item:.7g}" for item in row) for row in rows)])
+    return as_csv(names, time, q, torque)
 
 
 def names_of_mass(folder: Path, text: str) -> tuple[MotionDiagnosis, MotionFinding, set[tuple[str, tuple[int, ...]]]]:

@@ -7,6 +7,7 @@ import pytest
 from linkwright.core.arm.descriptions.imported import import_robot
 from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
 from linkwright.core.diagnose.motion.reading.read import read_log
+from tests.arm.motion.by_mujoco import as_csv, inverse
 
 PENDULUM = """<mujoco model="pendulum"><compiler angle="radian"/><option gravity="0 0 -9.81"/><worldbody>
 <body><joint name="j1" axis="0 1 0" range="-1 1"/><inertial pos="0 0 .3" mass="4" diaginertia=".03 .03 .01"/>
@@ -19,20 +20,13 @@ def log_of_a_pendulum(seed: int) -> str:
     """q, speeds and torques of 30 s at 100 Hz, the first drive's logged too large, with noise, as CSV."""
     rng, time = np.random.default_rng(seed), np.arange(3000) / 100.0
     model = mujoco.MjModel.from_xml_string(PENDULUM)
-    data = mujoco.MjData(model)
     rates = 2.0 * np.pi * np.array([[0.11, 0.17], [0.29, 0.37], [0.53, 0.47]])
     angle = rates * time[:, None, None] + rng.uniform(0.0, 6.28, (3, 2))
     q, v, a = (0.3 * item.sum(axis=1) for item in (np.sin(angle), rates * np.cos(angle), -(rates**2) * np.sin(angle)))
-    torque = np.zeros_like(q)
-    for row in range(len(q)):
-        data.qpos, data.qvel, data.qacc = q[row], v[row], a[row]
-        mujoco.mj_inverse(model, data)
-        torque[row] = data.qfrc_inverse
+    torque = inverse(model, q, v, a)
     torque = (torque + DRY * np.sign(v)) * [1.0 + EXCESS, 1.0]
     torque += [2.0, 0.3] * rng.normal(size=torque.shape)
-    rows = np.column_stack([time, q, v, torque]).tolist()
-    names = "t_s,q1_rad,q2_rad,dq1_radps,dq2_radps,tau1_Nm,tau2_Nm"
-    return "\n".join([names, *(",".join(f"{item:.7g}" for item in row) for row in rows)])
+    return as_csv(["t_s", "q1_rad", "q2_rad", "dq1_radps", "dq2_radps", "tau1_Nm", "tau2_Nm"], time, q, v, torque)
 
 
 @pytest.mark.parametrize("seed", [1, 2, 3])

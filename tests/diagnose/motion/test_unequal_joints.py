@@ -10,6 +10,7 @@ import pytest
 from linkwright.core.arm.descriptions.imported import import_robot
 from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
 from linkwright.core.diagnose.motion.reading.read import read_log
+from tests.arm.motion.by_mujoco import as_csv, inverse
 from tests.costs import slow_but
 
 SCARA = """<mujoco model="scara"><compiler angle="radian"/><option gravity="0 0 -9.81"/><worldbody>
@@ -35,7 +36,6 @@ def log_of_a_scara(seed: int) -> str:
     """q, speeds and torques of 30 s at 100 Hz, each joint's noise 0.1 % of its greatest torque, as CSV."""
     rng = np.random.default_rng(seed)
     model = mujoco.MjModel.from_xml_string(SCARA.format(LOAD))
-    data = mujoco.MjData(model)
     time = np.arange(3000) / 100.0
     q, v, a = (np.zeros((3000, 4)) for _ in range(3))
     low, high = model.jnt_range.T
@@ -46,17 +46,12 @@ def log_of_a_scara(seed: int) -> str:
         angle = time[:, None] * rates + phases
         q[:, joint] = (low + high)[joint] / 2.0 + np.sin(angle) @ sizes
         v[:, joint], a[:, joint] = np.cos(angle) @ (sizes * rates), -np.sin(angle) @ (sizes * rates**2)
-    torque = np.zeros_like(q)
-    for row in range(len(q)):
-        data.qpos, data.qvel, data.qacc = q[row], v[row], a[row]
-        mujoco.mj_inverse(model, data)
-        torque[row] = data.qfrc_inverse
+    torque = inverse(model, q, v, a)
     torque += DRY * np.sign(v) + VISCOUS * v + ROTOR * a
     torque += 1e-3 * np.abs(torque).max(axis=0) * rng.normal(size=torque.shape)
     names = ["t_s", "q1_rad", "q2_rad", "q3_m", "q4_rad", "dq1_radps", "dq2_radps", "dq3_mps", "dq4_radps"]
     names += ["tau1_Nm", "tau2_Nm", "tau3_N", "tau4_Nm"]
-    rows = np.column_stack([time, q, v, torque]).tolist()
-    return "\n".join([",".join(names), *(",".join(f"{item:.7g}" for item in row) for row in rows)])
+    return as_csv(names, time, q, v, torque)
 
 
 # Of seeds 2, 103, 106 and 110 the slide's friction and the load look like one asymmetric friction of twice the size.

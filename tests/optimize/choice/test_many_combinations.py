@@ -17,6 +17,7 @@ from linkwright.core.optimize.choice.chooser import Chooser, Solved
 from linkwright.core.optimize.choice.picks import Combination, combinations, count
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.infeasible.answer import Infeasible
+from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.run import optimise
 from linkwright.core.sections.numeric import Array
 from tests.optimize.builders import jointed, problem_of, ranged
@@ -44,6 +45,18 @@ def named(rows: Array) -> str:
         for k, (e, d, price) in enumerate(rows)
     )
     return f"[{', '.join(entries)}]"
+
+
+def two_rods(
+    folder: Path, rows: Array, limits: str = "mass: '<= 4 kg', cost: '<= 20 EUR'", minimize: str = "max_error"
+) -> Problem:
+    """Two horizontal rods of any of the materials within limits, and between 10 and 90 mm thick."""
+    arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
+    text = (
+        f"minimize: {minimize}\nchoose: {{section: [circle], material: {named(rows)}}}\n"
+        f"subject_to: {{{limits}, section_size: [10 mm, 90 mm]}}\n"
+    )
+    return problem_of(folder, arm, text)
 
 
 def sag(first: Array, second: Array, rows: Array, one: Integers, other: Integers) -> Array:
@@ -92,12 +105,7 @@ def least_sags(rows: Array, mass: float, cost: float, sizes: tuple[float, float]
 def test_choice_among_1225_is_the_best_of_all(tmp_path: Path) -> None:
     """With a limit on the cost one link's material depends on the other's: going link by link ends 3 % worse."""
     rows = materials(35, 3)
-    arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
-    text = (
-        f"choose: {{section: [circle], material: {named(rows)}}}\n"
-        "subject_to: {mass: '<= 4 kg', cost: '<= 20 EUR', section_size: [10 mm, 90 mm]}\n"
-    )
-    problem = problem_of(tmp_path, arm, text)
+    problem = two_rods(tmp_path, rows)
     assert count(problem) == 1225 > chooser.MOST_COMBINATIONS
     result = optimise(problem)
     by_hand = least_sags(rows, 4.0, 20.0, (0.01, 0.09))
@@ -113,14 +121,10 @@ def test_choice_among_1225_is_the_best_of_all(tmp_path: Path) -> None:
 def test_what_is_ruled_out_at_once_has_no_design(tmp_path: Path) -> None:
     """One combination without a design rules out others, and none of those has one by the formulas."""
     rows = materials(20, 5)
-    arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
     least = least_sags(rows, 3.0, 12.0, (0.01, 0.09))
     asked = round(1e3 * float(np.quantile(least[np.isfinite(least)], 0.2)), 4)
-    text = (
-        f"minimize: mass\nchoose: {{section: [circle], material: {named(rows)}}}\nsubject_to: "
-        f"{{mass: '<= 3 kg', max_error: '<= {asked} mm', cost: '<= 12 EUR', section_size: [10 mm, 90 mm]}}\n"
-    )
-    problem = problem_of(tmp_path, arm, text)
+    limits = f"mass: '<= 3 kg', max_error: '<= {asked} mm', cost: '<= 12 EUR'"
+    problem = two_rods(tmp_path, rows, limits, "mass")
     context = context_of(problem)
     worker, told = Chooser(context, None, None), Feasibility(context)
     for pick in combinations(problem)[::7]:
@@ -143,12 +147,7 @@ def test_all_near_ties_among_1156_are_solved(tmp_path: Path) -> None:
             for e, d, price in generator.uniform((55, 2500, 3), (75, 3500, 9), (34, 3))
         ]
     )
-    arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
-    text = (
-        f"choose: {{section: [circle], material: {named(rows)}}}\n"
-        "subject_to: {mass: '<= 4 kg', cost: '<= 20 EUR', section_size: [10 mm, 90 mm]}\n"
-    )
-    problem = problem_of(tmp_path, arm, text)
+    problem = two_rods(tmp_path, rows)
 
     def stop(done: int, _: int, what: str) -> None:
         if what == "solving near ties" and done == 3:
@@ -179,15 +178,10 @@ def test_all_near_ties_among_1156_are_solved(tmp_path: Path) -> None:
 def test_what_a_limit_would_have_to_be_is_found_among_all(tmp_path: Path) -> None:
     """The least error that mass and cost allow, over pairs of materials most of which differ."""
     rows = materials(20, 3)
-    arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
     least = least_sags(rows, 4.0, 20.0, (0.01, 0.09))
-    text = (
-        f"minimize: mass\nchoose: {{section: [circle], material: {named(rows)}}}\nsubject_to: "
-        f"{{mass: '<= 4 kg', max_error: '<= {950 * least.min():.4f} mm', cost: '<= 20 EUR', "
-        "section_size: [10 mm, 90 mm]}\n"
-    )
+    limits = f"mass: '<= 4 kg', max_error: '<= {950 * least.min():.4f} mm', cost: '<= 20 EUR'"
     with pytest.raises(Infeasible) as caught:
-        optimise(problem_of(tmp_path, arm, text))
+        optimise(two_rods(tmp_path, rows, limits, "mass"))
     result = caught.value.infeasible
     assert result.verdict == "infeasible"
     needed = {limit.limit.name: limit.needed for limit in result.limits}
@@ -199,12 +193,7 @@ def test_a_combination_that_fails_is_listed_and_the_gap_is_of_the_rest(
 ) -> None:
     """The solver fails on the best one: what is known of the others stands, and nothing is called exhaustive."""
     rows = materials(15, 3)
-    arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
-    text = (
-        f"choose: {{section: [circle], material: {named(rows)}}}\n"
-        "subject_to: {mass: '<= 4 kg', cost: '<= 20 EUR', section_size: [10 mm, 90 mm]}\n"
-    )
-    problem = problem_of(tmp_path, arm, text)
+    problem = two_rods(tmp_path, rows)
     least = least_sags(rows, 4.0, 20.0, (0.01, 0.09))
     lost = tuple(f"m{k}" for k in np.unravel_index(int(least.argmin()), least.shape))
     solve = Chooser.solve

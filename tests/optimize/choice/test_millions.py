@@ -14,7 +14,7 @@ from linkwright.core.optimize.choice.picks import count
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.run import optimise
 from tests.optimize.builders import jointed, problem_of, ranged, taken_for_many
-from tests.optimize.choice.test_many_combinations import least_sags, materials, named
+from tests.optimize.choice.test_many_combinations import least_sags, materials, two_rods
 
 CATALOGUE = """[aluminium-2024-t3, aluminium-5083-h111, aluminium-6061-t6, aluminium-6063-t6, aluminium-6082-t6,
   aluminium-7075-t6, steel-s235, steel-s275, steel-s355, steel-s460n, titanium-ti-6al-4v, magnesium-az31b]"""
@@ -26,12 +26,7 @@ def test_bound_on_all_is_below_every_combination_and_near_the_best(
     taken_for_many(monkeypatch)
     monkeypatch.setattr(large_choice, "MOST_AT_ONCE", 0)
     rows = materials(12, 3)
-    arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
-    text = (
-        f"choose: {{section: [circle], material: {named(rows)}}}\n"
-        "subject_to: {mass: '<= 4 kg', cost: '<= 20 EUR', section_size: [10 mm, 90 mm]}\n"
-    )
-    result = optimise(problem_of(tmp_path, arm, text))
+    result = optimise(two_rods(tmp_path, rows))
     every = least_sags(rows, 4.0, 20.0, (0.01, 0.09))
     assert result.objective == pytest.approx(every.min(), rel=1e-3)
     assert result.bound_of == "all_designs"
@@ -53,12 +48,7 @@ def test_near_ties_that_are_given_up_are_counted(tmp_path: Path, monkeypatch: py
     taken_for_many(monkeypatch)
     monkeypatch.setattr(large_choice, "MOST_AT_ONCE", 0)
     rows = materials(20, 6)
-    arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
-    text = (
-        f"choose: {{section: [circle], material: {named(rows)}}}\n"
-        "subject_to: {mass: '<= 4 kg', cost: '<= 20 EUR', section_size: [10 mm, 90 mm]}\n"
-    )
-    problem = problem_of(tmp_path, arm, text)
+    problem = two_rods(tmp_path, rows)
     every = least_sags(rows, 4.0, 20.0, (0.01, 0.09))
     near = int((every < every.min() * 1.0299).sum()) - 1
     monkeypatch.setattr(near_ties, "_IN_VAIN", 0)
@@ -72,12 +62,7 @@ def test_near_ties_that_are_given_up_are_counted(tmp_path: Path, monkeypatch: py
 def test_what_one_combination_could_reach_is_told_from_what_it_could_not(tmp_path: Path) -> None:
     """No combination that reaches an objective is held to be out of its reach, and most of the hopeless are."""
     rows = materials(12, 3)
-    arm = jointed((500, 400), ranged("-60 60", "0 60")) + "leave_out: [shear_deformation]\n"
-    text = (
-        f"choose: {{section: [circle], material: {named(rows)}}}\n"
-        "subject_to: {mass: '<= 4 kg', cost: '<= 20 EUR', section_size: [10 mm, 90 mm]}\n"
-    )
-    branching = Branching(Chooser(context_of(problem_of(tmp_path, arm, text)), None, None), large_choice.WANTED)
+    branching = Branching(Chooser(context_of(two_rods(tmp_path, rows)), None, None), large_choice.WANTED)
     assert branching.run(20) is not None
     every = least_sags(rows, 4.0, 20.0, (0.01, 0.09))
     names = [item.name for _, item in branching.relaxation.cells[0].options]
