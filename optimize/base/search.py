@@ -25,8 +25,9 @@ from linkwright.core.arm.worst.parts import worst_search
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.optimize.choice.picks import count
 from linkwright.core.optimize.nominal import Options
-from linkwright.core.optimize.problem import LinkLists, Problem
+from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.problem_summary import choices_in_words, map_of
+from linkwright.core.optimize.reading.choices import LinkLists
 from linkwright.core.optimize.result import BindingLimit, OptimizationResult
 from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.taper import Tapered

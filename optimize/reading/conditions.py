@@ -16,7 +16,8 @@ from linkwright.core.units.names import nearest
 from linkwright.core.units.reading import Mapping
 
 if TYPE_CHECKING:
-    from linkwright.core.optimize.problem import LinkLists, Problem
+    from linkwright.core.optimize.problem import Problem
+    from linkwright.core.optimize.reading.choices import LinkLists
 
 _ALIASES = MappingProxyType({"service_temperature": "highest_service_temperature"})
 
