@@ -17,11 +17,9 @@ from .error import AVERAGE_ERROR, MAX_ERROR, error_at_point, error_of_case
 from .figure import (
     Asked,
     Cut,
-    Demands,
     Figure,
     FigureResult,
     Held,
-    Limit,
     OfDesign,
     OfKinds,
     OfLinks,
@@ -31,7 +29,7 @@ from .figure import (
     WorstError,
 )
 from .frequency import FIRST_FREQUENCY
-from .limit import KEPT_WITHIN, broken, excess, figures_of, shortfall
+from .limit import KEPT_WITHIN, Demands, Limit, broken, excess, figures_of, shortfall
 from .local_buckling import LOCAL_BUCKLING
 from .motion.cycle import MOTION_USE, PEAK_TORQUE, RMS_TORQUE
 from .proportions import ASPECT, INNER_SIZE, SECTION_HEIGHT, SECTION_WIDTH

@@ -23,7 +23,8 @@ from linkwright.core.arm.worst.workspace import Unreachable, place_shares, weigh
 from linkwright.core.sections.numeric import Array
 
 from .design import DesignExpressions, Designs, DesignValues
-from .figure import Asked, Cut, Figure, Held, Limit, PoseFamily, ThroughPoses, Worst, WorstError
+from .figure import Asked, Cut, Figure, Held, PoseFamily, ThroughPoses, Worst, WorstError
+from .limit import Limit
 
 if TYPE_CHECKING:
     from linkwright.core.arm.chain.chain import Arm, LoadCase

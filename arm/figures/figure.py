@@ -11,11 +11,11 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Hashable, Iterable, Iterator, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import dataclass, fields
 from typing import TYPE_CHECKING, Any, ClassVar, Generic, Protocol, TypeAlias, TypeVar
 
 from linkwright.core.sections.numeric import Array
-from linkwright.core.units.quantities import InputError, Relation, format_quantity
+from linkwright.core.units.quantities import InputError, Relation
 
 from .design import DesignExpressions, Designs, DesignValues, Totals
 
@@ -26,6 +26,8 @@ if TYPE_CHECKING:
     from linkwright.core.arm.worst.workspace import Workspace
     from linkwright.core.materials.material import Material, MaterialValues
     from linkwright.core.sections import Section
+
+    from .limit import Limit
 
 
 @dataclass(frozen=True)
@@ -85,8 +87,6 @@ class Asked(Protocol):
         ...
 
 
-_LOOSE = 1e9
-"""A limit that is looser by this factor holds nothing back."""
 FigureResult = TypeVar("FigureResult")
 """What a family tells of a design: its figures, where they are, and whatever else comes with them."""
 
@@ -434,100 +434,3 @@ def _by_name(name: str) -> Figure:
         would_do = "install it on every worker, as a package with an entry point"
         raise InputError("", name, f"is a limit of one's own that a worker does not know; {would_do}")
     return FIGURES[name]
-
-
-@dataclass(frozen=True)
-class Demands:
-    """The values (SI) of a limit that asks different things of links: of each link from the base, or of those of some
-    materials (by name)."""
-
-    links: tuple[float, ...] = ()
-    materials: tuple[tuple[str, float], ...] = ()
-
-    def of(self, link: int, material: str) -> float | None:
-        """What is asked of a link (from 0) of a material; None where nothing is said of it."""
-        return self.links[link] if self.links else dict(self.materials).get(material)
-
-
-@dataclass(frozen=True)
-class Limit:
-    """A limit on a figure of the whole design, in SI.
-
-    With `demands` the limit asks other things of some links; `value` is then that of the others, and the figure is that
-    of the link which is worst relative to what is asked of it, as if `value` were. `poses` are the joint coordinates
-    (rad, m) at which alone it holds; None is everywhere in the workspace. `assumed`: nobody asked for it, so that what
-    it needs may be missing. `aim`: it is what is minimised or maximised, and holds nothing back.
-    """
-
-    figure: Figure
-    relation: Relation
-    value: float
-    poses: tuple[tuple[float, ...], ...] | None = None
-    assumed: bool = False
-    aim: bool = False
-    demands: Demands | None = None
-
-    def share(self, link: int, material: str = "") -> float:
-        """What is asked of a link (from 0) of a material, over `value`."""
-        demand = None if self.demands is None else self.demands.of(link, material)
-        return 1.0 if demand is None else demand / self.value
-
-    def share_of(self, arm: Arm, link: int) -> float:
-        """The same of a link of an arm."""
-        made_of = arm.links[link].material
-        return self.share(link, "" if made_of is None else made_of.name)
-
-    def on_link(self, link: int) -> Limit:
-        """The limit as it stands for one link (from 0), said by link."""
-        return self if self.demands is None else replace(self, value=self.value * self.share(link), demands=None)
-
-    @property
-    def loosened(self) -> Limit:
-        """The limit so loose that it holds nothing back, where it is the aim."""
-        if not self.aim:
-            return self
-        return replace(self, value=self.figure.badness(_LOOSE * self.figure.badness(self.value)))
-
-    @property
-    def name(self) -> str:
-        """The figure's name."""
-        return self.figure.name
-
-    @property
-    def text(self) -> str:
-        """The limit as people write it."""
-        at = "" if self.poses is None else f" at {len(self.poses)} pose{'' if len(self.poses) == 1 else 's'}"
-        return f"{self.name} {self.relation} {format_quantity(self.value, self.figure.kind)}{at}{self._others}"
-
-    @property
-    def _others(self) -> str:
-        if self.demands is None:
-            return ""
-        named = [(f"link {number}", value) for number, value in enumerate(self.demands.links, start=1)]
-        named += self.demands.materials
-        texts = [f"{name}: {format_quantity(value, self.figure.kind)}" for name, value in named if value != self.value]
-        return f" ({', '.join(texts)})" if texts else ""
-
-    def of(self, evaluation: Evaluation) -> float:
-        """The figure (SI) that the limit is on, in an evaluation; NaN where it is not known."""
-        if self.poses is not None:
-            assert self.figure.at_poses is not None
-            value = self.figure.at_poses(evaluation, self.poses)
-        elif self.demands is not None or isinstance(self.figure.follows, OfLinks):
-            value = self._of_links(evaluation)
-        else:
-            value = self.figure.value(evaluation)
-        return math.nan if value is None else value
-
-    def _of_links(self, evaluation: Evaluation) -> float | None:
-        """The figure of the link that is worst relative to what is asked of it."""
-        follows = self.figure.follows
-        if not isinstance(follows, ThroughPoses):
-            return self.figure.of_links(evaluation.arm, self)
-        posed = evaluation.by_family.get(follows.family.name)
-        by_link = {} if posed is None else follows.family.of_links(posed, self.name)
-        values = [
-            None if item is None else item / self.share_of(evaluation.arm, link) for link, item in by_link.items()
-        ]
-        known = [value for value in values if value is not None]
-        return self.figure.worst(known) if known and len(known) == len(values) else None

@@ -25,7 +25,8 @@ from linkwright.core.arm.compiled.vectorise import Expressions
 from linkwright.core.arm.errors.model import beam_symbols, beam_values, beams_of, error_model, needs_shear_modulus
 from linkwright.core.arm.errors.structure import by_structure
 from linkwright.core.arm.figures.design import DesignExpressions, Designs, DesignValues
-from linkwright.core.arm.figures.figure import Asked, Cut, Figure, Held, Limit, PoseFamily, ThroughPoses, Worst
+from linkwright.core.arm.figures.figure import Asked, Cut, Figure, Held, PoseFamily, ThroughPoses, Worst
+from linkwright.core.arm.figures.limit import Limit
 from linkwright.core.arm.limits.weakest_poses import climbed, plainest
 from linkwright.core.sections.numeric import Array, column_of_symbols
 from linkwright.core.units.quantities import InputError
