@@ -8,10 +8,10 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-from benchmarks.blind.answers import ALARMS, NAMES, Answer, Rate, Spread, Table, by, counts, rate, spread
+from benchmarks.blind.answers import ALARMS, NAMES, Answer, Spread, Table, by, counts, rate, spread
 from benchmarks.blind.parameters import coverage
 from benchmarks.motion.names import Truth, in_class, is_alike, is_it, members
-from benchmarks.multibody.score import Target, at_least, at_most, within
+from benchmarks.multibody.score import Target, at_least, at_most, entry_text, of_kind, target_table, within
 
 Row = tuple[Truth, Answer]
 Predictions = Mapping[str, Mapping[str, Any]]
@@ -56,12 +56,8 @@ def score(
     )
 
 
-def _kind(rows: Sequence[Row], *names: str) -> list[Row]:
-    return [(t, a) for t, a in rows if t["kind"] in names]
-
-
 def _large(rows: Sequence[Row], *kinds: str) -> list[tuple[Truth, Answer, Mapping[str, Any]]]:
-    return [(t, a, e) for t, a in _kind(rows, *(kinds or ("one", "two", "bare"))) for e in t["effects"] if e["large"]]
+    return [(t, a, e) for t, a in of_kind(rows, *(kinds or ("one", "two", "bare"))) for e in t["effects"] if e["large"]]
 
 
 def _named(a: Answer) -> list[Mapping[str, Any]]:
@@ -108,7 +104,7 @@ def _covered(rows: Sequence[Row]) -> list[tuple[str, bool]]:
 
 
 def _targets(rows: Sequence[Row]) -> tuple[Target, ...]:
-    nulls, unknowns = _kind(rows, "null"), _kind(rows, "unknown")
+    nulls, unknowns = of_kind(rows, "null"), of_kind(rows, "unknown")
     given = [_false(t, entry) for t, a in rows if t["kind"] != "unknown" for entry in _named(a)]
     return (
         at_most("false alarms on nulls", 0.01, rate(a.verdict in ALARMS for _, a in nulls)),
@@ -117,14 +113,14 @@ def _targets(rows: Sequence[Row]) -> tuple[Target, ...]:
         within("95 % intervals that hold the truth", 0.93, 0.97, rate(inside for _, inside in _covered(rows))),
         at_most("names that are of no cause, nor of what is hardly told from one", 0.05, rate(given)),
         at_least(
-            "all large causes named, nothing false", 24 / 33, rate(_exact(t, a) for t, a in _kind(rows, "one", "two"))
+            "all large causes named, nothing false", 24 / 33, rate(_exact(t, a) for t, a in of_kind(rows, "one", "two"))
         ),
     )
 
 
 def _tables(rows: Sequence[Row]) -> tuple[tuple[str, Table], ...]:
-    large, nulls, unknowns = _large(rows), _kind(rows, "null"), _kind(rows, "unknown")
-    small = [(t, a, e) for t, a in _kind(rows, "one", "two") for e in t["effects"] if not e["large"]]
+    large, nulls, unknowns = _large(rows), of_kind(rows, "null"), of_kind(rows, "unknown")
+    small = [(t, a, e) for t, a in of_kind(rows, "one", "two") for e in t["effects"] if not e["large"]]
     given = [(t, a, entry) for t, a in rows for entry in _named(a)]
     pointed = [(t, a) for t, a in unknowns if a.verdict == "unknown" and t["unknown"]["joints"]]
     return (
@@ -182,7 +178,7 @@ def _miss(t: Truth, a: Answer) -> str:
     wrong = _wrong(t, a)
     if not wrong:
         return ""
-    text = ", ".join([a.verdict, *map(_entry, a.entries)])
+    text = ", ".join([a.verdict, *map(entry_text, a.entries)])
     return f"{t['case']} ({t['kind']}, {t['arm']}, {t['logger']['rate']:g} Hz): {wrong}; said {text}"
 
 
@@ -196,13 +192,9 @@ def _wrong(t: Truth, a: Answer) -> str:
     lost = [e for e in t["effects"] if e["large"] and not _right(t, a, e)]
     false = [entry for entry in _named(a) if _false(t, entry)]
     parts = [f"lost {e['effect']} {e['at']} at {e['share']:.2f}" for e in lost]
-    parts += [f"false {_entry(entry)}" for entry in false]
+    parts += [f"false {entry_text(entry)}" for entry in false]
     small = [f"{e['effect']} {e['at']} at {e['share']:.3f}" for e in t["effects"] if not e["large"]]
     return ", ".join(parts) + (f" beside {', '.join(small)}" if parts and small else "")
-
-
-def _entry(entry: Mapping[str, Any]) -> str:
-    return f"{entry['effect']} {entry.get('at') or ''}".strip()
 
 
 def shown(score: Score) -> str:
@@ -213,11 +205,7 @@ def shown(score: Score) -> str:
     ]
     lines[0] += f"seed {' and '.join(map(str, score.seeds))} ({kinds}); {len(score.failed)} without an answer; "
     lines[0] += f"{score.seconds.shown()} seconds a case."
-    lines += ["", "| | target | reached |", "|---|---|---|"]
-    for target in score.targets:
-        missed = "**MISSED** " if target.met is False else ""
-        reached = target.reached.shown(0) if isinstance(target.reached, Rate) else target.reached.shown()
-        lines.append(f"| {target.what} | {target.wanted} | {missed}{reached} |")
+    lines += ["", *target_table(score.targets)]
     lines += ["", "| test log: RMS of the corrected arm over that of the true causes, fitted | |", "|---|---|"]
     lines += [f"| {kind} | {ratio.shown()} |" for kind, ratio in score.predicted]
     for title, table in score.tables:

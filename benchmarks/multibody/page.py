@@ -6,8 +6,7 @@ import itertools
 import textwrap
 from pathlib import Path
 
-from benchmarks.blind.answers import Rate
-from benchmarks.multibody.score import Score
+from benchmarks.multibody.score import Score, target_table
 
 HEADING = "## A second generator: a multibody engine"
 WORDS = (
@@ -62,7 +61,7 @@ def section(score: Score) -> str:
     lines = [HEADING, ""]
     for paragraph in WORDS:
         lines += [_wrapped(paragraph), ""]
-    lines += [_ran(score), "", *_targets(score), *_trials(score), "", *_figures(score), *_tables(score)]
+    lines += [_ran(score), "", *target_table(score.targets), *_trials(score), "", *_figures(score), *_tables(score)]
     lines += ["", "Verdicts by kind: " + "; ".join(f"{kind}: {_tally(tally)}" for kind, tally in score.verdicts) + "."]
     if score.impossible:
         lines += ["", "Impossible sizes:", "", *(f"- {item}" for item in score.impossible)]
@@ -94,16 +93,6 @@ def _ran(score: Score) -> str:
         "Shares with their 95 % Clopper-Pearson interval.",
     ]
     return _wrapped(" ".join(ran))
-
-
-def _targets(score: Score) -> list[str]:
-    """Each target beside what was reached."""
-    lines = ["| | target | reached |", "|---|---|---|"]
-    for target in score.targets:
-        reached = target.reached.shown(0) if isinstance(target.reached, Rate) else target.reached.shown()
-        verdict = "**MISSED** " if target.met is False else ""
-        lines.append(f"| {target.what} | {target.wanted} | {verdict}{reached} |")
-    return lines
 
 
 def _trials(score: Score) -> list[str]:

@@ -99,7 +99,7 @@ def score(truths: Sequence[Truth], answers: Mapping[str, Answer], half: str = ""
         tables=(*_tables_of_names(rows), *_other_tables(rows)),
         bias=spread(size for sizes in errors.values() for size in sizes),
         bias_by_parameter=tuple((name, spread(sizes)) for name, sizes in sorted(errors.items())),
-        localised=(("joint", _joints(rows)), ("time", _times(rows)), ("region", _regions(_kind(rows, "unknown")))),
+        localised=(("joint", _joints(rows)), ("time", _times(rows)), ("region", _regions(of_kind(rows, "unknown")))),
         false_discoveries=rate(_false_names(rows)),
         verdicts=counts((t["kind"], _verdict(t, a)) for t, a in rows),
         impossible=tuple(f"{t['case']}: {sentence}" for t, a in rows for sentence in _impossible(t, a)),
@@ -108,13 +108,14 @@ def score(truths: Sequence[Truth], answers: Mapping[str, Answer], half: str = ""
     )
 
 
-def _kind(rows: Sequence[Row], *names: str) -> list[Row]:
+def of_kind(rows: Sequence[tuple[Truth, Answer]], *names: str) -> list[tuple[Truth, Answer]]:
+    """The cases of some kinds, with their answers."""
     return [(t, a) for t, a in rows if t["kind"] in names]
 
 
 def _loud(rows: Sequence[Row]) -> list[Caused]:
     """Large causes from `LOUD` on, each with its case and the answer."""
-    large = ((t, a, e) for t, a in _kind(rows, "many", "pair") for e in t["effects"] if e["large"])
+    large = ((t, a, e) for t, a in of_kind(rows, "many", "pair") for e in t["effects"] if e["large"])
     return [(t, a, e) for t, a, e in large if e["snr"] >= LOUD]
 
 
@@ -144,8 +145,8 @@ def _false_names(rows: Sequence[Row]) -> list[bool]:
 
 
 def _targets(rows: Sequence[Row]) -> tuple[Target, ...]:
-    nulls, unknowns, mislabelled = _kind(rows, "null"), _kind(rows, "unknown"), _kind(rows, "mislabelled")
-    ratio = spread((_written(t, a) for t, a in _kind(rows, "many", "pair", "power", "null")), 1.1)
+    nulls, unknowns, mislabelled = of_kind(rows, "null"), of_kind(rows, "unknown"), of_kind(rows, "mislabelled")
+    ratio = spread((_written(t, a) for t, a in of_kind(rows, "many", "pair", "power", "null")), 1.1)
     said = [(t, a) for t, a in rows if a.entries]
     return (
         at_most("false alarms on nulls", 0.01, rate(a.verdict in ALARMS for _, a in nulls)),
@@ -171,7 +172,7 @@ def _targets(rows: Sequence[Row]) -> tuple[Target, ...]:
 
 
 def _tables_of_names(rows: Sequence[Row]) -> tuple[tuple[str, Table], ...]:
-    power, loud = _kind(rows, "power"), _loud(rows)
+    power, loud = of_kind(rows, "power"), _loud(rows)
     dosed = [(f"{d:g}", [(t, a) for t, a in power if t["dose"] == d]) for d in DOSES]
     return (
         (
@@ -195,8 +196,8 @@ def _tables_of_names(rows: Sequence[Row]) -> tuple[tuple[str, Table], ...]:
 
 
 def _other_tables(rows: Sequence[Row]) -> tuple[tuple[str, Table], ...]:
-    nulls, unknowns, mislabelled = _kind(rows, "null"), _kind(rows, "unknown"), _kind(rows, "mislabelled")
-    small = [(t, a, e) for t, a in _kind(rows, "many") for e in t["effects"] if not e["large"]]
+    nulls, unknowns, mislabelled = of_kind(rows, "null"), of_kind(rows, "unknown"), of_kind(rows, "mislabelled")
+    small = [(t, a, e) for t, a in of_kind(rows, "many") for e in t["effects"] if not e["large"]]
     wandering = [(t, a) for t, a in nulls if t["vice"] == "wander" and a.verdict in ALARMS]
     return (
         ("95 % intervals that hold the truth, by parameter", by(_covered(rows))),
@@ -230,6 +231,16 @@ def within(what: str, least: float, most: float, reached: Rate) -> Target:
     """A share that is to lie between."""
     met = None if not reached.total else least <= reached.share <= most
     return Target(what, f"{100 * least:g} to {100 * most:g} %", reached, met)
+
+
+def target_table(targets: Sequence[Target]) -> list[str]:
+    """Each target beside what was reached, as lines of Markdown."""
+    lines = ["| | target | reached |", "|---|---|---|"]
+    for target in targets:
+        reached = target.reached.shown(0) if isinstance(target.reached, Rate) else target.reached.shown()
+        verdict = "**MISSED** " if target.met is False else ""
+        lines.append(f"| {target.what} | {target.wanted} | {verdict}{reached} |")
+    return lines
 
 
 def _verdict(t: Truth, a: Answer) -> str:
@@ -369,7 +380,7 @@ def _regions(rows: Sequence[Row]) -> Harmonic:
 
 def _miss(t: Truth, a: Answer) -> str:
     """A line for a case that is not answered as it should be; empty where it is."""
-    said = a.verdict + (": " + ", ".join(_entry(e) for e in a.entries) if a.entries else "")
+    said = a.verdict + (": " + ", ".join(entry_text(e) for e in a.entries) if a.entries else "")
     about = f"{t['case']} ({t['kind']}, {t['arm']}, {_recording(t)}, {t['rows']} rows): "
     if a.verdict == "failed" and t["kind"] != "mislabelled":
         return f"{about}no answer"
@@ -391,5 +402,6 @@ def _wrong(t: Truth, a: Answer) -> str | None:
     return ", ".join(large) if lost or false else None
 
 
-def _entry(entry: Mapping[str, Any]) -> str:
+def entry_text(entry: Mapping[str, Any]) -> str:
+    """A name with its place."""
     return f"{entry['effect']} {entry.get('at') or ''}".strip()
