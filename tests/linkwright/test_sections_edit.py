@@ -7,11 +7,10 @@ import math
 import numpy as np
 import pytest
 
-from linkwright.cli import run
 from linkwright.core.sections import load_stock
 from linkwright.core.sections.stock.tables import read_file
 from tests.costs import slow_but
-from tests.outcomes import ok, wrong
+from tests.outcomes import of_catalogue, ok, wrong
 
 COMMANDS = ("list", "show", "compare", "add", "edit", "remove", "check", "import", "export")
 TUBE = ("add", "TUBE 60x4", "shape=tube", "diameter=60 mm", "thickness=4 mm", "--source", "Offer 12")
@@ -25,20 +24,7 @@ def own(tmp_path):
 @pytest.fixture
 def sections(tmp_path, tmp_path_factory, monkeypatch, capsys):
     """Run `linkwright sections` in a folder of its own with stock tables of its own."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path_factory.mktemp("drafts")))
-    for name in ("LINKWRIGHT_SECTIONS", "VISUAL", "EDITOR"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr(
-        "linkwright.core.units.files.user_config_dir", lambda name: str(tmp_path / "configuration" / name)
-    )
-
-    def command(*arguments):
-        status = run(["sections", *(str(argument) for argument in arguments)])
-        printed = capsys.readouterr()
-        return status, printed.out, printed.err
-
-    return command
+    return of_catalogue("sections", tmp_path, tmp_path_factory, monkeypatch, capsys)
 
 
 def rows_of(out):

@@ -6,11 +6,10 @@ import re
 
 import pytest
 
-from linkwright.cli import run
 from linkwright.core.materials.catalogue import load_catalogue, load_layer
 from linkwright.core.materials.plausible import doubts_of
 from linkwright.core.units.quantities import InputError
-from tests.outcomes import ok, wrong
+from tests.outcomes import of_catalogue, ok, wrong
 
 COMMANDS = ("list", "show", "compare", "add", "edit", "remove", "check", "import", "export")
 
@@ -18,21 +17,7 @@ COMMANDS = ("list", "show", "compare", "add", "edit", "remove", "check", "import
 @pytest.fixture
 def materials(tmp_path, tmp_path_factory, monkeypatch, capsys):
     """Run `linkwright materials` in a folder of its own with a catalogue of its own."""
-    monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path_factory.mktemp("drafts")))
-    monkeypatch.setenv("XDG_CONFIG_HOME", str(tmp_path / "configuration"))
-    for name in ("LINKWRIGHT_CATALOGUE", "VISUAL", "EDITOR"):
-        monkeypatch.delenv(name, raising=False)
-    monkeypatch.setattr(
-        "linkwright.core.units.files.user_config_dir", lambda name: str(tmp_path / "configuration" / name)
-    )
-
-    def command(*arguments):
-        status = run(["materials", *(str(argument) for argument in arguments)])
-        printed = capsys.readouterr()
-        return status, printed.out, printed.err
-
-    return command
+    return of_catalogue("materials", tmp_path, tmp_path_factory, monkeypatch, capsys)
 
 
 @pytest.mark.parametrize("command", COMMANDS)
