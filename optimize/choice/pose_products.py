@@ -112,7 +112,7 @@ def vectors_of(model: ErrorModel, cut: ErrorCut, p: Array) -> Vectors | None:
         return arrays.vector + np.array(cut.shift) + play
 
     present = [(), *((weight,) for weight in (*weights, *soft, *growing)), *itertools.product(weights, soft)]
-    designs = _varied(values, (*weights, *growing), soft, present)
+    designs = designs_with(values, (*weights, *growing), soft, present)
     for number, place in enumerate((*weights, *soft, *growing)):
         designs[-1][place] *= _APART[number % len(_APART)]
     vectors_there = vectors(designs.reshape(len(designs), -1))
@@ -143,7 +143,9 @@ Place = tuple[int, int]
 """A link, and which of its beam values."""
 
 
-def _varied(values: Array, none: Sequence[Place], soft: Sequence[Place], present: Sequence[tuple[Place, ...]]) -> Array:
+def designs_with(
+    values: Array, none: Sequence[Place], soft: Sequence[Place], present: Sequence[tuple[Place, ...]]
+) -> Array:
     """Designs (N + 2, n, B) that have of a design's values `none` and of its flexibilities `soft` only those `present`;
     then twice the design itself."""
     bare = values.copy()

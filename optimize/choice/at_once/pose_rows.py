@@ -21,6 +21,7 @@ from linkwright.core.arm.figures.tip_stiffness import PreparedStiffness
 from linkwright.core.optimize.choice.pose_products import (
     SOFT,
     compression_products,
+    designs_with,
     error_vectors,
     inertia_products,
     lopsided,
@@ -35,7 +36,6 @@ from linkwright.core.sections.numeric import Array
 
 from .cells import COLUMNS, EXPANSION, PRICE
 
-_RIGID = 1e300
 _CLOSE = 1e-6
 """How well the parts that links give must add up to the whole, relative."""
 
@@ -198,13 +198,7 @@ def _stiffness(problem: Problem, prepared: PreparedStiffness, cut: Cut, p: Array
     size = len(p) // len(BEAM_FIELDS)
     values = p.reshape(size, -1)
     soft = [(link, k) for link in range(size) for k in SOFT if values[link, k] != 0.0]
-    bare = values.copy()
-    for place in soft:
-        bare[place] = np.copysign(_RIGID, values[place])
-    designs = np.repeat(bare[None], len(soft) + 2, axis=0)
-    for row, place in zip(designs[1:], soft, strict=False):
-        row[place] = values[place]
-    designs[-1] = values
+    designs = designs_with(values, (), soft, [(), *((place,) for place in soft)])[:-1]
     moved = prepared.compliance.matrices(np.tile(cut.q, (len(designs), 1)), designs.reshape(len(designs), -1))
     moved = moved @ np.array(cut.more)
     if not np.linalg.norm(moved[0] + (moved[1:-1] - moved[0]).sum(axis=0) - moved[-1]) <= _CLOSE * np.abs(moved).max():
