@@ -73,7 +73,7 @@ def look_at_weights(
             seen[number] = _Look(_of_little_torque(evidence, log, headers, rules), headers, evidence, given)
     for number, look in seen.items():
         seen[number] = _as_meant(look, rules)
-        if seen[number].meant and (not look.given.explains or seen[number].gain >= rules.log.conventions_gain):
+        if seen[number].gain >= rules.log.conventions_gain:
             _refuse(seen[number], [other for other in seen.values() if other is not seen[number]], arm, rules)
     _doubt(seen, arm, rules)
     return tuple(seen[number].log if number in seen else log for number, (log, _) in enumerate(logs))
@@ -89,7 +89,7 @@ def _as_meant(look: _Look, rules: Rules) -> _Look:
         singles = look.evidence.library.of_torques(units=units, gravity=not free)
         tried = likeliest(look.evidence, given, singles, [each for each in singles if each.common])
         meant = tuple(each for each in tried if each.explains and each.transformation.said)
-        if meant and not (given.explains and meant[0].total >= given.total):
+        if meant and meant[0].total < given.total:
             return replace(look, meant=meant)
     return replace(look, log=look.log.saying(no_weights))
 
