@@ -1,4 +1,4 @@
-"""Events in logs of six joints, simulated by MuJoCo: contacts, a collision, a load taken, and rough friction alone.
+"""Events in logs of six joints, simulated by MuJoCo: contacts, collisions, loads taken or left, rough friction alone.
 
 python -m benchmarks.motion_events FIRST LAST [KIND ...]
 """
@@ -110,6 +110,7 @@ def main() -> None:
         "contact at the elbow's link": lambda: pushed(3, 3.0 * force, CONTACT),
         "collision": lambda: pushed(6, 8.0 * force, COLLISION),
         "load taken": lambda: carried(1.5, TAKEN),
+        "load left": lambda: carried(-1.5, TAKEN),
     }
     for seed in range(int(sys.argv[1]), int(sys.argv[2])):
         for name, law in kinds.items():

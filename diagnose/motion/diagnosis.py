@@ -25,7 +25,7 @@ from .corrected import entry_of
 from .differing import Differing, differing, differing_findings, squares_of
 from .each_log import of_log
 from .events.changed import change_of
-from .events.found import event_of, next_event, set_aside
+from .events.found import next_event, set_aside
 from .findings import finding_of, findings
 from .judged import Judged, as_written, judged, rms_together
 from .log import MotionLog
@@ -137,11 +137,7 @@ def diagnosed(
     judge = judged(arm, identified, sizes.numbers, [entry_of(effect, item) for effect, item in swift], rules=rules)
     sizes = as_written(sizes, identified, judge.named)
     rests_on = RestsOn(identified, sizes, different)
-    made = _result(arm, logs, given, rests_on, judge, seen, swift, events, rules, begun)
-    event = None if made.unknown is None else event_of(made.unknown.change, events)
-    if event is not None:
-        return diagnosed(arm, set_aside(whole, rows, event), options, progress, (*events, event))
-    return made, rests_on
+    return _result(arm, logs, given, rests_on, judge, seen, swift, events, rules, begun), rests_on
 
 
 def _with_curves(

@@ -2,16 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.diagnose.motion.findings import parameters_of
-from linkwright.core.diagnose.motion.model.candidates import Candidates
+from linkwright.core.diagnose.motion.model.candidates import Candidates, Group
 from linkwright.core.diagnose.motion.model.evidence import LIKELY
 from linkwright.core.diagnose.motion.model.identify import Identified
+from linkwright.core.diagnose.motion.model.noise import Noise, noise
 from linkwright.core.diagnose.motion.model.products import Products, products
 from linkwright.core.diagnose.motion.model.rows import LogRows, joint_rows
 from linkwright.core.diagnose.motion.model.steps import Parts, Step, SteppedFit, fitted, may_step, tried
@@ -36,21 +37,25 @@ class Logs:
     rows: Sequence[LogRows]
     weights: Array
 
-    def in_parts(self, number: int, part: NDArray[np.int64]) -> Products:
-        """Products of all logs, of one (its number) by the `part` (M,) that each row belongs to."""
+    def in_parts(self, number: int, *edges: int) -> tuple[Products, NDArray[np.int64]]:
+        """Products of all logs, of one (its number) in parts with edges at some rows; and the row with which each part
+        begins (-1: another log's)."""
+        row = np.arange(len(self.rows[number].target))
+        begins = np.unique([0, *(edge for edge in edges if edge < len(row))])
+        part = np.searchsorted(begins, row, side="right") - 1
         rows = [
             replace(item, block=part if log == number else np.zeros_like(item.block))
             for log, item in enumerate(self.rows)
         ]
-        return products(joint_rows(rows), self.pool.width, near=False)
+        motion = products(joint_rows(rows), self.pool.width, near=False)
+        row_of = np.full(motion.blocks, -1)
+        row_of[motion.log == number] = begins
+        return motion, row_of
 
     def between(self, number: int, start: int, stop: int) -> tuple[Products, Parts]:
         """Products of all logs, of one (its number) in parts, of which one is from a row to the one before another."""
-        row = np.arange(len(self.rows[number].target))
-        part = np.unique((row >= start).astype(np.int64) + (row >= stop), return_inverse=True)[1]
-        motion = self.in_parts(number, part)
-        here = motion.log == number
-        return motion, here & (np.cumsum(here) == 1 + (start > 0))
+        motion, begins = self.in_parts(number, start, stop)
+        return motion, (begins >= start) & (begins < stop)
 
     def fitted(self, motion: Products, steps: Sequence[Step] = ()) -> SteppedFit:
         """The whole library fitted to a motion in parts."""
@@ -59,53 +64,82 @@ class Logs:
 
 @dataclass(frozen=True)
 class Settled:
-    """A step with its `change`, and the share of the square that it explains `within` its time."""
+    """A step with its `change`, the rows it spans, and the share of the square that it explains `within` these; of one
+    that was chosen, how many nats it gains, its choice `paid` for."""
 
     step: Step
     change: Change
+    span: tuple[int, int]
     within: float
+    paid: float = 0.0
 
 
 def change_of(identified: Identified, *, rules: Rules) -> Change | None:
-    """The change within a log that explains most of the square that is left; None where none explains half of it.
+    """The change within a log that explains most of the square that is left; None where none explains half of it."""
+    made = stepped(identified.pool, identified.rows, identified.noise, may_step(identified.pool), rules=rules)
+    return max((item.change for item in made), key=lambda change: change.share, default=None)
 
-    The whole library is fitted with one group of the candidates that has other sizes from an instant on; of all groups
-    and instants the likeliest is taken, if it pays for having been chosen.
+
+def stepped(
+    pool: Candidates, rows: Sequence[LogRows], heard: Noise, groups: Sequence[Group], *, rules: Rules
+) -> Iterator[Settled]:
+    """The likeliest step within each log, if it pays for having been chosen and explains half of the square left.
+
+    The whole library is fitted with one of the groups that has other sizes from an instant on. What the library leaves
+    without the step is no noise: step and noise are sought in turn, from the noise that is `heard` without any.
     """
-    logs, best = Logs(identified.pool, identified.rows, identified.noise.weights), None
-    for number, rows in enumerate(identified.rows):
-        count = len(rows.target)
-        motion = logs.in_parts(number, np.arange(count) * _PARTS // count)
-        part = np.cumsum(motion.log == number)
-        where = [(motion.log == number) & (part > first) for first in range(1, part[-1])]
-        steps = list(tried(logs.fitted(motion), where, may_step(identified.pool)))
-        step = max(steps, key=lambda item: item.gain, default=None)
-        if step is None or step.gain <= np.log(len(steps)) + rules.search.margin:
-            continue
-        change = settled(logs, number, logs.fitted(motion, (step,)), rules=rules).change
-        if change.share > HALF and (best is None or change.share > best.share):
-            best = change
-    return best
+    for number, row in enumerate(rows):
+        logs, before = Logs(pool, rows, heard.weights), None
+        for _ in range(_ROUNDS):
+            made = _likeliest(logs, number, groups, before.span if before else (0, 0), rules=rules)
+            stands = made and before and made.span == before.span and made.step.group is before.step.group
+            before = made
+            if made is None or stands:
+                break
+            less, there = row.target.copy(), slice(*made.span)
+            less[there] -= _added(row, made.step)[there]
+            quiet = [replace(row, target=less) if log == number else item for log, item in enumerate(rows)]
+            logs = replace(logs, weights=noise(pool, products(joint_rows(quiet), pool.width, near=False)).weights)
+        if before and before.paid > rules.search.margin and before.change.share > HALF:
+            yield before
 
 
-def settled(logs: Logs, number: int, fit: SteppedFit, *, quiet: bool = False, rules: Rules) -> Settled:
-    """The change in a log (its number) with its instants, sizes and noise in turn until the instants stand: what the
-    library left without it was no noise, but where the weights are already those of `quiet` motion."""
-    rows, given = logs.rows[number], logs.weights
-    constant = np.sum(_left(rows, logs.fitted(fit.motion).common) ** 2, axis=0)
+def _likeliest(
+    logs: Logs, number: int, groups: Sequence[Group], known: tuple[int, int], *, rules: Rules
+) -> Settled | None:
+    """The likeliest step within a log (its number) by the noise as it stands, from an instant between parts on, or in
+    the rows that are `known` from the first to the one before the second; None where the log is too short."""
+    count = len(logs.rows[number].target)
+    motion, begins = logs.in_parts(number, *(part * count // _PARTS for part in range(_PARTS)), *known)
+    where = [begins >= first for first in begins.tolist() if first > 0]
+    if known[0] < known[1]:
+        where.append((begins >= known[0]) & (begins < known[1]))
+    steps = list(tried(logs.fitted(motion), where, groups))
+    if not steps:
+        return None
+    best = max(steps, key=lambda item: item.gain)
+    made = settled(logs, number, logs.fitted(motion, (best,)), rules=rules)
+    return replace(made, paid=best.gain - float(np.log(len(steps))))
+
+
+def settled(logs: Logs, number: int, fit: SteppedFit, *, rules: Rules) -> Settled:
+    """The change in a log (its number) with its instants and sizes in turn until the instants stand."""
+    rows = logs.rows[number]
     start, stop = -1, -1
     for _ in range(_ROUNDS):
         earlier = start, stop
-        start, stop, gained, left = _span(rows, fit)
+        start, stop, gained = _span(rows, fit)
         if (start, stop) == earlier:
             break
-        weights = given if quiet else given * constant / np.maximum(left, 1e-12 * constant)
         motion, there = logs.between(number, start, stop)
-        fit = replace(logs, weights=weights).fitted(motion, (replace(fit.steps[0], parts=there),))
-    start, stop, gained, left = _span(rows, fit)
+        fit = logs.fitted(motion, (replace(fit.steps[0], parts=there),))
+    start, stop, gained = _span(rows, fit)
     clock, (step,) = rows.prepared.motion.time[rows.prepared.kept], fit.steps
-    begins = np.flatnonzero(gained[: stop + 1] - gained[start] <= LIKELY)
+    begins = np.flatnonzero(gained[:stop] - gained[start] <= LIKELY)
     ends = start + np.flatnonzero(gained[stop] - gained[start:] <= LIKELY)
+    constant = float(np.sum(_squares(rows, logs.fitted(fit.motion).common, fit.weights)))
+    before, after = (_squares(rows, sizes, fit.weights) for sizes in _sizes(fit))
+    left = float(np.sum(before[:start]) + np.sum(after[start:stop]) + np.sum(before[stop:]))
     change = Change(
         step.group.effect.id,
         step.group.at,
@@ -115,11 +149,11 @@ def settled(logs: Logs, number: int, fit: SteppedFit, *, quiet: bool = False, ru
         None
         if stop == len(clock)
         else Instant(float(clock[stop]), (float(clock[ends[0] - 1]), float(clock[min(ends[-1], len(clock) - 1)]))),
-        1.0 - float(given @ left) / float(given @ constant),
-        tuple(_pushed(rows, step, slice(start, stop)).tolist()),
+        1.0 - left / max(constant, 1e-300),
+        tuple(np.sqrt(np.mean(np.square(_added(rows, step)[start:stop]), axis=0)).tolist()),
     )
-    before, after = (np.sum(item[start:stop], axis=0) @ fit.weights for item in _squares(rows, fit))
-    return Settled(step, change, 1.0 - float(after) / max(float(before), 1e-300))
+    within = float(np.sum(after[start:stop])) / max(float(np.sum(before[start:stop])), 1e-300)
+    return Settled(step, change, (start, stop), 1.0 - within)
 
 
 def sized(step: Step, rows: LogRows, *, rules: Rules) -> tuple[FittedParameter, ...]:
@@ -129,37 +163,35 @@ def sized(step: Step, rows: LogRows, *, rules: Rules) -> tuple[FittedParameter, 
     return parameters_of(step.group, rows.prepared.motion.arm, step.numbers, half, shown)
 
 
-def _pushed(rows: LogRows, step: Step, there: slice) -> Array:
-    """RMS (n,) N*m of what a step adds to the torques on some rows."""
+def _added(rows: LogRows, step: Step) -> Array:
+    """What a step adds to the torques (M, n), N*m."""
     sizes = np.zeros(1 + max(int(columns.max(initial=0)) for columns in rows.columns))
     sizes[step.group.columns] = step.group.values(step.numbers)
-    return np.sqrt(np.mean(np.square(rows.explained(sizes)[there]), axis=0))
+    return rows.explained(sizes)
 
 
-def _left(rows: LogRows, sizes: Array) -> Array:
-    """What sizes (W,) leave of each joint's torque where it counts (M, n), N*m."""
-    return (rows.target - rows.explained(sizes)) * rows.prepared.moving
-
-
-def _squares(rows: LogRows, fit: SteppedFit) -> tuple[Array, Array]:
-    """Squares (M, n) of what is left of each joint's torque without the step, and with it."""
+def _sizes(fit: SteppedFit) -> tuple[Array, Array]:
+    """The sizes (W,) without the step, and with it."""
     (step,) = fit.steps
     there = fit.common.copy()
     there[step.group.columns] += step.group.values(step.numbers)
-    return _left(rows, fit.common) ** 2, _left(rows, there) ** 2
+    return fit.common, there
 
 
-def _span(rows: LogRows, fit: SteppedFit) -> tuple[int, int, Array, Array]:
-    """The row from which on the step fits best and the first that it no longer fits (M where it lasts to the end), how
-    many nats it has gained before each row (M + 1,), and the sum of squares (n,) left of each joint's torque.
+def _squares(rows: LogRows, sizes: Array, weights: Array) -> Array:
+    """Squares (M,) of what sizes (W,) leave of the torques where these count, joints weighed by `weights` (n,)."""
+    return np.asarray(np.square((rows.target - rows.explained(sizes)) * rows.prepared.moving) @ weights)
+
+
+def _span(rows: LogRows, fit: SteppedFit) -> tuple[int, int, Array]:
+    """The row from which on the step fits best and the first that it no longer fits (M where it lasts to the end), and
+    how many nats it has gained before each row (M + 1,).
 
     (The greatest sum of consecutive terms: J. Bentley, Programming Pearls, Comm. ACM 27 (1984) 865.)
     """
-    before, after = _squares(rows, fit)
-    gained = np.concatenate(([0.0], 0.5 * np.cumsum((before - after) @ fit.weights)))
+    before, after = (_squares(rows, sizes, fit.weights) for sizes in _sizes(fit))
+    gained = np.concatenate(([0.0], 0.5 * np.cumsum(before - after)))
     stop = int(np.argmax(gained - np.minimum.accumulate(gained)))
     if gained[-1] >= gained[stop] - LIKELY:
         stop = len(before)
-    start = int(np.argmin(gained[:stop]))
-    left = before.sum(axis=0) + np.sum((after - before)[start:stop], axis=0)
-    return start, stop, gained, left
+    return int(np.argmin(gained[:stop])), stop, gained

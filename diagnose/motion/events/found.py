@@ -15,12 +15,12 @@ from linkwright.core.diagnose.motion.model.noise import Noise, noise
 from linkwright.core.diagnose.motion.model.products import products
 from linkwright.core.diagnose.motion.model.rows import LogRows, joint_rows, with_sources
 from linkwright.core.diagnose.motion.model.steps import may_differ, tried
-from linkwright.core.diagnose.motion.result import Change, Event
+from linkwright.core.diagnose.motion.result import Event
 from linkwright.core.diagnose.result import HALF, FittedParameter
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
-from .changed import SURE, Logs, Settled, settled
+from .changed import SURE, Logs, Settled, settled, stepped
 from .push import PUSH, with_pushes
 
 _PARTS = 40
@@ -37,7 +37,7 @@ Span = tuple[int, int]
 def next_event(
     arm: Arm, pool: Candidates, rows: Sequence[LogRows], seen: Noise, known: Sequence[Event], *, rules: Rules
 ) -> Event | None:
-    """A push in some log beside the events that are `known`, and set aside; None where there is none.
+    """A push or a load in some log beside the events that are `known`, and set aside; None where there is none.
 
     Rows stand out that are further from what the whole library foretells than any usual row is. What the rest of the
     log foretells of them is held against a push on each link, and against the whole library.
@@ -65,15 +65,19 @@ def next_event(
         event = None if half is None else _push(arm, pool, rows, number, half, clean, rules)
         if event is not None:
             return event
+    loads = (_load(pool, row, rules) for row in (rows if len(known) < _MOST else ()))
+    return next((event for event in loads if event is not None), None)
+
+
+def _load(pool: Candidates, row: LogRows, rules: Rules) -> Event | None:
+    """A load that is taken or left within a log; None where something else explains more, or that not most of it. What
+    differs between logs is no event: each is fitted by itself."""
+    heard = noise(pool, products(joint_rows([row]), pool.width, near=False))
+    for made in stepped(pool, [row], heard, may_differ(pool), rules=rules):
+        for size in made.change.parameters if made.change.effect == PAYLOAD.id and made.within > 1.0 - HALF**2 else ():
+            if size.parameter == "mass" and size.interval[0] * size.interval[1] > 0.0:
+                return Event("payload left" if size.value < 0.0 else "payload taken", made.change)
     return None
-
-
-def event_of(change: Change | None, known: Sequence[Event]) -> Event | None:
-    """A change within a log as an event: a load that is taken or left, where that halves what is left."""
-    if change is None or change.effect != PAYLOAD.id or change.share <= 1.0 - HALF**2 or len(known) >= _MOST:
-        return None
-    mass = next((item.value for item in change.parameters if item.parameter == "mass"), 0.0)
-    return Event("payload left" if mass < 0.0 else "payload taken", change)
 
 
 def set_aside(logs: Sequence[MotionLog], prepared: Sequence[LogRows], event: Event) -> list[MotionLog]:
@@ -135,7 +139,7 @@ def _push(
     best = max(steps, key=lambda item: item.gain)
     if best.group.effect is not PUSH or best.gain <= np.log(len(steps)) + rules.search.margin:
         return None
-    made = settled(logs, number, logs.fitted(motion, (best,)), quiet=True, rules=rules)
+    made = settled(logs, number, logs.fitted(motion, (best,)), rules=rules)
     loaded = np.flatnonzero(np.array(made.change.torque) > rules.motion.event * clean.sigma)
     if made.within <= 1.0 - HALF**2 or len(loaded) < 2:
         return None

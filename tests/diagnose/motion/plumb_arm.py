@@ -50,3 +50,18 @@ def logged(seed, hand_of, more_of, file="log.csv"):
     a = -np.sum((swings * rates**2)[:, :, None] * np.sin(turned), axis=1)
     torque = torques(q, v, a, hand_of(time)) + NOISE * rng.standard_normal(q.shape) + more_of(q, v)
     return MotionLog(file, time, q.T, torque.T, np.arange(1, 3001))
+
+
+def rough(seed, joint=slice(None)):
+    """Friction that nobody models: dry, and again as much with a memory of half a second (2, N)."""
+    rng = np.random.default_rng(seed)
+
+    def more(_, v):
+        noise = rng.standard_normal(v.shape)
+        for k in range(1, v.shape[1]):
+            noise[:, k] = 0.98 * noise[:, k - 1] + 0.2 * noise[:, k]
+        torque = np.zeros_like(v)
+        torque[joint] = ((1.0 + 0.3 * noise) * np.tanh(v / 0.01))[joint]
+        return torque
+
+    return more

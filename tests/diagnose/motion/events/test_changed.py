@@ -8,7 +8,7 @@ from linkwright.json.motion import motion_json
 from linkwright.results.document import Section
 from linkwright.results.motion.answer import answer
 from linkwright.results.motion.described import describe
-from tests.diagnose.motion.plumb_arm import HAND, logged, plumb_arm
+from tests.diagnose.motion.plumb_arm import HAND, logged, plumb_arm, rough
 
 TAKEN, SINCE, ROUNDING = 1.2, 17.0, 1e-9
 """A load that is taken at the tip (kg), and when (s)."""
@@ -37,6 +37,24 @@ def test_a_load_that_is_taken_on_the_way(tmp_path, seed):
     assert answer(result).lower().startswith(f"payload taken from {change.start.time:.4g} s on")
     assert "Events in the log" in [item.title for item in describe(result).items if isinstance(item, Section)]
     assert [(item["kind"], item["end_s"]) for item in motion_json(result)["events"]] == [("payload taken", None)]
+
+
+@pytest.mark.parametrize("seed", [1, 2])
+def test_a_small_load_under_rough_friction(tmp_path, seed):
+    """A load that makes less torque than friction that nobody models: what it does is no noise."""
+    log = logged(seed, lambda t: HAND + 0.4 * (t >= SINCE), rough(seed))
+    (event,) = diagnose_motion(plumb_arm(tmp_path), [log]).events
+    assert event.kind == "payload taken"
+    assert event.change.start.interval[0] - ROUNDING <= SINCE <= event.change.start.interval[1] + ROUNDING
+    (mass,) = (item for item in event.change.parameters if item.parameter == "mass")
+    assert mass.interval[0] <= 0.4 <= mass.interval[1]
+
+
+def test_what_differs_between_logs_is_no_event(tmp_path):
+    """Each log has its load from beginning to end."""
+    logs = [logged(seed, lambda t, kg=kg: np.full_like(t, kg), lambda q, _: 0.0 * q, f"{kg}.csv")
+            for seed, kg in ((1, HAND), (2, HAND + TAKEN))]  # fmt: skip
+    assert diagnose_motion(plumb_arm(tmp_path), logs).events == ()
 
 
 def test_a_bump_over_the_angle_is_no_change(tmp_path):

@@ -8,7 +8,7 @@ from linkwright.json.motion import motion_json
 from linkwright.results.document import Section
 from linkwright.results.motion.answer import answer
 from linkwright.results.motion.described import describe
-from tests.diagnose.motion.plumb_arm import FORE, HAND, UPPER, logged, plumb_arm
+from tests.diagnose.motion.plumb_arm import FORE, HAND, UPPER, logged, plumb_arm, rough
 
 CONTACT, COLLISION = (8.0, 10.5), (12.0, 12.15)
 """From when to when (s)."""
@@ -24,21 +24,6 @@ def push(force, span, along=1.0):
         elbow = UPPER * np.array([-np.sin(q[0]), np.cos(q[0])])
         beyond = along * FORE * np.array([-np.sin(q[0] + q[1]), np.cos(q[0] + q[1])])
         return -np.array([force @ (elbow + beyond), force @ beyond]) * on
-
-    return more
-
-
-def rough(seed, joint=slice(None)):
-    """Friction that nobody models: dry, and again as much with a memory of half a second (2, N)."""
-    rng = np.random.default_rng(seed)
-
-    def more(_, v):
-        noise = rng.standard_normal(v.shape)
-        for k in range(1, v.shape[1]):
-            noise[:, k] = 0.98 * noise[:, k - 1] + 0.2 * noise[:, k]
-        torque = np.zeros_like(v)
-        torque[joint] = ((1.0 + 0.3 * noise) * np.tanh(v / 0.01))[joint]
-        return torque
 
     return more
 
