@@ -29,7 +29,7 @@ from linkwright.core.units.quantities import NoAnswer
 from .explain import binding_limits
 from .infeasible.answer import Infeasible
 from .infeasible.needed import explained
-from .infeasible.quick import out_of_reach
+from .infeasible.quick import least_objective, out_of_reach
 from .problem import Problem
 from .problem_summary import choices_in_words, limits_in_words, map_of_given, whole_error
 from .result import Iteration, OptimizationResult, Status, in_figure, proved
@@ -96,7 +96,7 @@ class _Solver:
         """The best choice of a context's links that is better than an objective (SI)."""
         return chosen(context, known=known, executor=self.options.executor, solutions=self.solutions, **settings)
 
-    def solve(self, problem: Problem, known: float) -> Answer[Driven] | None:
+    def solve(self, problem: Problem, known: float) -> Answer[Driven] | float:
         """As `structures.Solve`."""
         context = context_of(problem)
         progress = self.options.progress if self.alone else None
@@ -104,7 +104,7 @@ class _Solver:
         if isinstance(result, NoChoice):
             self.unsolved += result.unsolved
             self.feasibility = result.feasibility if self.alone else None
-            return None
+            return result.bound(count(context.problem))
         return Answer(result.objective, (context, result), result.interrupted)
 
     def near_ties(self, search: StructureSearch[Driven], best: Choice) -> Ties:
@@ -114,10 +114,14 @@ class _Solver:
         results: dict[tuple[Structure, Combination], Tie] = {}
         left, interrupted = 0, False
         for structure, noted in search.noted.items():
-            if noted.outcome == "infeasible" or (noted.objective is not None and noted.objective > limit):
+            least = noted.bound if noted.objective is None else noted.objective
+            if noted.outcome == "infeasible" or least > limit:
+                continue
+            problem = search.problem_with(structure)
+            if least_objective(problem) > limit:
                 continue
             try:
-                context = context_of(search.problem_with(structure))
+                context = context_of(problem)
                 choice = self.chosen(context, limit, progress=self.options.progress)
             except KeyboardInterrupt:
                 interrupted = True

@@ -20,6 +20,7 @@ from linkwright.core.units.quantities import InputError, NoAnswer
 from .balance.motor_places import MotorPlace
 from .choice.actuators import Assignment, assignments, few, hopeless, least_error, names_of, with_actuators
 from .choice.chooser import Progress
+from .infeasible.quick import least_objective
 from .problem import Problem
 from .result import DriveCandidate, PlaceCandidate
 
@@ -37,9 +38,9 @@ class Answer(Generic[Result]):
     interrupted: bool = False
 
 
-Solve = Callable[[Problem, float], "Answer[Result] | None"]
-"""The best design of a problem with drives and places chosen that is better than an objective (SI); None where there is
-none. May raise `NoAnswer`."""
+Solve = Callable[[Problem, float], "Answer[Result] | float"]
+"""The best design of a problem with drives and places chosen that is better than an objective (SI); where there is
+none, what no design goes below (SI; minus infinity where nothing tells). May raise `NoAnswer`."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +55,8 @@ class Structure:
 class _Noted:
     objective: float | None
     outcome: Literal["solved", "bounded out", "infeasible"]
+    bound: float = -math.inf
+    """What no design of the structure goes below (SI)."""
 
 
 class StructureSearch(Generic[Result]):
@@ -123,32 +126,39 @@ class StructureSearch(Generic[Result]):
             self._joint_by_joint(problem.actuators, places)
 
     def _try_all(self, picks: Sequence[Assignment], places: tuple[MotorPlace, ...]) -> None:
-        """Look at choices of drives, those first with which the arm as given errs least."""
+        """Look at choices of drives, those first with the least mass or price where that is the objective, else those
+        with which the arm as given errs least; where that alone is worse than the best so far, no more is asked."""
         left: list[tuple[float, Structure]] = []
         for structure in (Structure(pick, places) for pick in picks):
             if structure in self.noted:
                 continue
             problem = self.problem_with(structure)
-            if hopeless(problem):
+            least = least_objective(problem)
+            if least >= self.objective:
+                self.noted[structure] = _Noted(None, "bounded out")
+            elif hopeless(problem):
                 self.noted[structure] = _Noted(None, "infeasible")
             else:
-                left.append((least_error(problem), structure))
+                left.append((least if math.isfinite(least) else least_error(problem), structure))
         left.sort(key=lambda item: item[0])
         for done, (_, structure) in enumerate(left):
             if self._progress is not None:
                 self._progress(done, len(left), f"trying actuators {names_of(structure.drives)}")
-            self._try(structure)
+            if least_objective(self.problem_with(structure)) >= self.objective:
+                self.noted[structure] = _Noted(None, "bounded out")
+            else:
+                self._try(structure)
 
     def _try(self, structure: Structure) -> None:
         known = self.objective
-        nothing = _Noted(None, "infeasible" if math.isinf(known) else "bounded out")
         try:
             answer = self._solve(self.problem_with(structure), known)
         except NoAnswer as error:
             self.failed = self.failed or error
-            answer, nothing = None, _Noted(None, "infeasible")
-        if answer is None:
-            self.noted[structure] = nothing
+            self.noted[structure] = _Noted(None, "infeasible")
+            return
+        if not isinstance(answer, Answer):
+            self.noted[structure] = _Noted(None, "infeasible" if math.isinf(known) else "bounded out", answer)
             return
         self.noted[structure] = _Noted(answer.objective, "solved")
         if answer.objective < known:

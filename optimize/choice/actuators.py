@@ -10,6 +10,8 @@ from linkwright.core.arm.actuators import Actuator
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.figures.frequency import FIRST_FREQUENCY, frequency_of_drives
+from linkwright.core.arm.figures.motion.cycle import MOTION_USE, least_use
+from linkwright.core.arm.motion.cycle import cycles_of
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.balance.balance import with_least_counterweights
 from linkwright.core.optimize.exchange.design import numeric_beams
@@ -20,6 +22,8 @@ from linkwright.core.optimize.problem import Problem
 Assignment = tuple[Actuator | None, ...]
 """An actuator for each joint; None for a joint that keeps its drive."""
 
+_SWUNG = 1.1
+"""What links that swing on their gears take or leave of a drive's torque is less than a tenth of it."""
 MOST_ASSIGNMENTS = 64
 """Up to this many choices every one is looked at."""
 
@@ -68,12 +72,14 @@ def few(problem: Problem) -> bool:
 
 def hopeless(problem: Problem) -> bool:
     """Whether the drives that a problem's arm has break, by themselves, the limit on the total mass, the cost or the
-    first frequency (on rigid links without weight)."""
+    first frequency (on rigid links without weight), or cannot drive a cycle whatever its links weigh."""
     lightest = replace(problem, arm=with_least_counterweights(problem.arm, problem.balances))
     heavy = any(x.relation != ">=" and carried_mass(lightest) >= x.value for x in problem.limit("total_mass"))
     dear = bool(problem.limit("cost")) and any(drives_cost(problem) >= x.value for x in problem.limit("cost"))
     required = max((x.value for x in problem.limit(FIRST_FREQUENCY.name) if x.relation != "<="), default=0.0)
-    return heavy or dear or (required > 0.0 and frequency_allowed(problem) < required)
+    use = min((x.value for x in problem.limit(MOTION_USE.name)), default=math.inf)
+    weak = any(least_use(problem.arm, cycle) > _SWUNG * use for cycle in cycles_of(problem.load_cases))
+    return heavy or dear or weak or (required > 0.0 and frequency_allowed(problem) < required)
 
 
 def frequency_allowed(problem: Problem) -> float:

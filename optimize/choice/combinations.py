@@ -68,6 +68,13 @@ class NoChoice:
     feasibility: Feasibility | None = None
     """What is known of how far all of them break the limits."""
 
+    def bound(self, combinations: int) -> float:
+        """What no design of so many combinations goes below (SI), where each of them was bounded or cannot be; minus
+        infinity where nothing tells."""
+        decided = [item for item in self.candidates if item.outcome in ("bounded out", "infeasible")]
+        values = (math.inf if item.objective is None else item.objective for item in decided)
+        return min(values) if len(decided) == combinations else -math.inf
+
     @property
     def unsolved(self) -> int:
         """On how many of them the solver failed, which proves nothing."""

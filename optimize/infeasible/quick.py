@@ -8,6 +8,7 @@ principle no frequency is above that of an arm that is stiffer and lighter; comp
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
@@ -19,6 +20,7 @@ from linkwright.core.arm.chain.beam import Beam
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model, values_of_rigid
 from linkwright.core.arm.errors.model import rigid as rigid_beam
+from linkwright.core.arm.evaluation import link_masses
 from linkwright.core.arm.figures import KEPT_WITHIN, Limit, ThroughPoses, WorstError, excess
 from linkwright.core.arm.figures.design import DesignValues
 from linkwright.core.arm.worst.parts import worst_search
@@ -29,7 +31,7 @@ from linkwright.core.optimize.balance.balance import with_least_counterweights
 from linkwright.core.optimize.choice.picks import options
 from linkwright.core.optimize.choice.pose_products import one_signed
 from linkwright.core.optimize.exchange.design import with_chosen_links
-from linkwright.core.optimize.exchange.program import cut_of, fixed_error
+from linkwright.core.optimize.exchange.program import carried_mass, cut_of, drives_cost, fixed_error
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.numeric import Array
@@ -69,6 +71,22 @@ def out_of_reach(problem: Problem) -> tuple[OutOfReach, ...]:
     if problem.free_lengths:
         return ()
     return tuple(_through_poses(problem, _extremes(problem)))
+
+
+def least_objective(problem: Problem) -> float:
+    """The total mass (kg) or cost (EUR) that no links on an arm's drives go below, where that is minimised; minus
+    infinity of another objective."""
+    if problem.minimize == "cost":
+        return drives_cost(problem)
+    if problem.minimize != "total_mass":
+        return -math.inf
+    free = problem.free_lengths or problem.free_tapers or problem.sizes is not None
+    least = {} if free else _extremes(with_chosen_links(problem))
+    links = [
+        (least[index].lightest * link.length if index in least else 0.0) if link.elastic else mass
+        for index, (link, mass) in enumerate(zip(problem.arm.links, link_masses(beams_of(problem.arm)), strict=True))
+    ]
+    return sum(links) + carried_mass(replace(problem, arm=with_least_counterweights(problem.arm, problem.balances)))
 
 
 def _beyond(bound: OutOfReach) -> bool:

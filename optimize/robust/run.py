@@ -50,7 +50,7 @@ def robust_structures(problem: Problem, options: Options) -> OptimizationResult:
     worst, every = problem.uncertain.worst, few(problem)
     seconds = 0.0
 
-    def solve(problem_here: Problem, known: float) -> Answer[OptimizationResult] | None:
+    def solve(problem_here: Problem, known: float) -> Answer[OptimizationResult] | float:
         nonlocal seconds
         problem_here = problem_here if every else replace(problem_here, actuators=problem.actuators)
         nominal = nominal_optimum(replace(problem_here, uncertain=None), options, problem)
@@ -59,7 +59,7 @@ def robust_structures(problem: Problem, options: Options) -> OptimizationResult:
                 raise KeyboardInterrupt
             return Answer(nominal.objective, nominal, interrupted=True)
         if worst and nominal.objective >= known:
-            return None
+            return nominal.objective
         outcome = robust_optimum(problem_here, nominal, options)
         seconds += outcome.seconds
         return Answer(outcome.objective, outcome, outcome.interrupted)

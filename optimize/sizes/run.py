@@ -68,7 +68,7 @@ def listed_structures(problem: Problem, options: Options) -> OptimizationResult:
         if options.log is not None:
             options.log(history[-1])
 
-    def solve(problem_here: Problem, known: float) -> Answer[OptimizationResult] | None:
+    def solve(problem_here: Problem, known: float) -> Answer[OptimizationResult] | float:
         nonlocal bounded
         enough = known * (1.0 - _BETTER)
         if math.isfinite(known):
@@ -82,7 +82,7 @@ def listed_structures(problem: Problem, options: Options) -> OptimizationResult:
             bounds.append(enough)
             if math.isinf(known):
                 raise
-            return None
+            return enough
         bounded = bounded and result.bound_of == "all_designs"
         bounds.append(result.lower_bound)
         return Answer(result.objective, result, result.interrupted)

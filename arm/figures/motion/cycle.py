@@ -166,6 +166,27 @@ def _by_masses(arm: Arm, cycle: Cycle) -> tuple[Array, Array]:
     return torque, terms
 
 
+def least_use(arm: Arm, cycle: Cycle) -> float:
+    """The least that a cycle takes of what the drives give, whatever the links weigh: rms over rated or peak over peak
+    torque, the greatest of any drive. A link's mass is spread as in the arm's sections."""
+    from scipy.optimize import linprog, nnls  # here, as few problems have a cycle
+
+    _, terms = _by_masses(arm, cycle)
+    root = np.sqrt(_shares(cycle))
+    uses = [0.0]
+    for index, joint in enumerate(arm.joints):
+        fixed, by_mass = terms[:, 0, index], terms[:, 1:, index]
+        rated, peak = joint.rating
+        if rated is not None:
+            uses.append(nnls(root[:, None] * by_mass, -root * fixed)[1] / rated)
+        if peak is not None:
+            rows = np.vstack([by_mass, -by_mass])
+            rows = np.hstack([rows, -np.ones((len(rows), 1))])
+            least = linprog([0.0] * arm.size + [1.0], A_ub=rows, b_ub=np.concatenate([-fixed, fixed]))
+            uses.append(least.fun / peak)
+    return max(uses)
+
+
 CYCLES = Cycles()
 """The loads of cycles on the drives."""
 

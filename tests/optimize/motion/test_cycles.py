@@ -20,6 +20,7 @@ from linkwright.core.arm.descriptions.formats import export_arm
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.figures import FIGURES
+from linkwright.core.arm.figures.motion.cycle import least_use
 from linkwright.core.arm.motion.cycle import cycles_of, drive_torques, errors_along
 from linkwright.core.optimize.run import optimise
 from linkwright.core.units.quantities import InputError
@@ -189,6 +190,16 @@ def test_the_lightest_drive_that_a_cycle_leaves_is_chosen(tmp_path: Path) -> Non
     assert chosen is not None
     assert len(able) < len(names)
     assert chosen.name == min(able, key=lambda item: item.mass or 0.0).name
+
+
+def test_no_rod_leaves_a_drive_less_than_its_payload_does(tmp_path: Path) -> None:
+    """A pendulum without a rod; a rod can only add to it, as its torque and the payload's are in step."""
+    swing(tmp_path, (0.0, 40.0, 0.0), count=400)
+    drive = ", rated_torque: 10 N*m, peak_torque: 15 N*m"
+    problem = problem_of(tmp_path, bars(500.0, joint=drive), "minimize: max_error\nload_cases: [{motion: cycle.csv}]\n")
+    (cycle,) = cycles_of(problem.load_cases)
+    rms, peak = pendulum(1e-6, 1.0)
+    assert least_use(problem.arm, cycle) == pytest.approx(max(rms / 10.0, peak / 15.0), rel=1e-4)
 
 
 def test_a_rotor_of_the_catalogue_counts_with_the_square_of_its_gear(tmp_path: Path) -> None:
