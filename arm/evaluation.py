@@ -26,10 +26,12 @@ from linkwright.core.arm.errors.unknown_mass import gives_unknown, of_unknown_ma
 from linkwright.core.arm.figures import FIGURES, DesignValues, FigureResult, OfLinks, PoseFamily, Totals, families_of
 from linkwright.core.arm.figures.frequency import MODES, Frequency, frequency_of_drives
 from linkwright.core.arm.figures.local_buckling import WALLS, LocalBuckling
+from linkwright.core.arm.figures.motion.cycle import CYCLES
 from linkwright.core.arm.figures.strength import STRENGTHS, StrengthResult
 from linkwright.core.arm.figures.tip_stiffness import ACROSS, STIFFNESS, TipStiffness, tip_compliance, tips_of
 from linkwright.core.arm.figures.torque import TORQUES, DriveLoads
 from linkwright.core.arm.limits.joint_loads import JointLoad, joint_loads
+from linkwright.core.arm.motion.dynamics import OfDrive
 from linkwright.core.arm.worst.coverage import Unreached, unreached
 from linkwright.core.arm.worst.growth import GrowthLeftOut, growth_left_out
 from linkwright.core.arm.worst.parts import SeamErrors, projections_at, seam_errors, worst_search
@@ -127,6 +129,12 @@ class Evaluation:
     def local_buckling(self) -> LocalBuckling:
         """How near each link's walls are to buckling."""
         return self.by_family[WALLS.name]
+
+    @property
+    def in_motion(self) -> tuple[OfDrive, ...] | None:
+        """The most that the cycles of motion among the load cases ask of each drive; None where there are none."""
+        loads = self.of(CYCLES)
+        return None if loads is None else loads.by_joint
 
     @property
     def frequency(self) -> Frequency | None:

@@ -107,9 +107,10 @@ class Average(PoseFamily[AverageError]):
             yield number, 0.5 * ca.log(total + _FLOOR) - ca.log(value) - slack
 
     def evaluate(self, design: DesignValues) -> AverageError | None:
-        """The average of each load case; None where only a part of the error counts."""
+        """The average of each load case; None where only a part of the error counts, or at the worst instants of a
+        cycle."""
         search = design.search
-        if search.workspace.error != "whole":
+        if search.workspace.error != "whole" or any(case.moving is not None for case in design.load_cases):
             return None
         poses, shares = averaged_over(search, design.p)
         errors = [search.errors(poses, design.p, case).error for case in range(len(design.load_cases))]

@@ -13,7 +13,6 @@ from linkwright.core.arm.bodies.inertia import Moving
 from linkwright.core.arm.chain.arrays import columns
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.chain.statics import PoseState, solve
-from linkwright.core.arm.effects.drives.armature import ARMATURE
 from linkwright.core.arm.errors.lost_motion import played
 from linkwright.core.arm.errors.model import PoseArrays, beams_of
 from linkwright.core.arm.errors.tip import active_effects, tip_error
@@ -21,7 +20,6 @@ from linkwright.core.arm.files.poses import numbers, pose_columns, poses_of
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
-from .dynamics import model_torque
 from .motion import Motion
 
 _CLOCKS = ("time_s", "t_s")
@@ -94,23 +92,6 @@ def _rates(time: Array, q: Array) -> tuple[Array, Array]:
     values = np.vstack([q[:-1], q[:1]]) if closed else q
     spline: Any = CubicSpline(time, values, bc_type="periodic" if closed else "not-a-knot")
     return np.asarray(spline(time, 1)), np.asarray(spline(time, 2))
-
-
-def drive_torques(arm: Arm, cycle: Cycle) -> Array:
-    """What a cycle takes of an arm's drives (N, n), N*m (N for slides): links, payload, effects, and the rotors of
-    drives from a catalogue that knows them.
-
-    Raises as `arm.motion.dynamics.model_torque` does.
-    """
-    motion = cycle.motion(arm)
-    return model_torque(motion) + motion.acceleration * np.array([_rotor(arm, index) for index in range(arm.size)])
-
-
-def _rotor(arm: Arm, index: int) -> float:
-    """The inertia (kg*m^2) of a catalogue's rotor behind its gear; none where the file says what turns there."""
-    actuator = arm.joints[index].actuator
-    said = any(entry.effect == ARMATURE.id and (not entry.at or index + 1 in entry.at) for entry in arm.effects)
-    return 0.0 if actuator is None or said else actuator.rotor_at_joint
 
 
 def cycles_of(cases: Sequence[LoadCase]) -> tuple[Cycle, ...]:

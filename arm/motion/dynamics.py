@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import astuple, dataclass, replace
 
 import numpy as np
 
-from linkwright.core.arm.chain.chain import EffectEntry, Joint
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, Joint
 from linkwright.core.arm.effects import EFFECTS, Settings
+from linkwright.core.arm.effects.drives.armature import ARMATURE
 from linkwright.core.arm.effects.loads.inertial import OfInertia, torque_of_more
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.rigid import inverse_dynamics
@@ -83,6 +84,19 @@ def torque_of(motion: Motion, entries: Sequence[EffectEntry]) -> Array:
     return torque
 
 
+def drive_torques(motion: Motion) -> Array:
+    """What a motion takes of the drives (N, n), N*m (N for slides): `model_torque`, and the rotors of drives from a
+    catalogue that knows them. Raises as that does."""
+    return model_torque(motion) + motion.acceleration * [_rotor(motion.arm, index) for index in range(motion.arm.size)]
+
+
+def _rotor(arm: Arm, index: int) -> float:
+    """The inertia (kg*m^2) of a catalogue's rotor behind its gear; none where the file says what turns there."""
+    actuator = arm.joints[index].actuator
+    said = any(entry.effect == ARMATURE.id and (not entry.at or index + 1 in entry.at) for entry in arm.effects)
+    return 0.0 if actuator is None or said else actuator.rotor_at_joint
+
+
 def drive_power(motion: Motion, torque: Array) -> Array:
     """The power of each drive (N, n) W under these torques (N, n): positive where it drives, negative where it
     brakes."""
@@ -109,12 +123,18 @@ class OfDrive:
         return None if peak is None else self.torque / peak, None if rated is None else self.rms_torque / rated
 
 
+def most_of(motions: Sequence[Sequence[OfDrive]]) -> tuple[OfDrive, ...]:
+    """The most that any of several motions asks of each drive."""
+    every = np.array([[astuple(drive) for drive in drives] for drives in motions]).max(axis=0)
+    return tuple(OfDrive(*drive) for drive in every.tolist())
+
+
 def loads_of(motion: Motion) -> tuple[OfDrive, ...]:
-    """What a motion asks of each of an arm's drives, by the rigid arm and its `effects`; integrals by trapezoids.
+    """What a motion asks of each of an arm's drives (`drive_torques`); integrals by trapezoids.
 
     Raises `PropertyNeeded` for a link of unknown mass, `InputError` for an arm with branches or links that run out.
     """
-    torque = model_torque(motion)
+    torque = drive_torques(motion)
     power = drive_power(motion, torque)
     span = float(motion.time[-1] - motion.time[0])
     loads: list[OfDrive] = []

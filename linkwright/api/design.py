@@ -74,7 +74,6 @@ def evaluate(
     given = arm_of(arm, tips="every")
     poses = None if pose is None else poses_of(given.model, pose)
     one = None if poses is None or len(poses) != 1 else poses[0]
-    moving = None if motion is None else along(given.model, motion)
     asked = None if problem is None else problem_of(problem).model
     if asked is None:
         evaluation = evaluated(given.model, pose=one)
@@ -84,6 +83,7 @@ def evaluate(
         if asked.minimize == PAYLOAD.name:
             cases = with_payload(cases, largest_payload_of(asked, given.model) or 0.0)
         evaluation = evaluated(given.model, asked.workspace, cases, pose=one)
+    moving = evaluation.in_motion if motion is None else along(given.model, motion)
     robust = None if asked is None or asked.uncertain is None else robust_figure(given.model, asked)
     at = () if poses is None else errors_at(given.model, evaluation.load_cases, poses)
     known = FIGURES if asked is None else asked.figures

@@ -198,6 +198,7 @@ def evaluation_figures(evaluation: Evaluation, figures: Mapping[str, Figure] = F
         "compliance": None if "compliance" in evaluation.unknown else _compliance(arm, evaluation.compliance),
         "strength": _strength(evaluation),
         "drives": _drives(evaluation),
+        "motion": _in_motion(arm, evaluation.in_motion),
         "joint_loads": _joint_loads(evaluation),
         "links": links_json(arm, evaluation.link_masses),
         "workspace": _workspace(arm, evaluation.workspace),
@@ -256,7 +257,7 @@ def evaluation_json(
         **evaluation_figures(evaluation, known),
         "poses": [_pose_error(evaluation.arm, error) for error in at],
         "robust": None if robust is None else _robust_figure(robust),
-        "motion": None if motion is None else _in_motion(evaluation.arm, motion),
+        "motion": _in_motion(evaluation.arm, motion),
     }
 
 
@@ -278,8 +279,11 @@ def _pose_error(arm: Arm, error: PoseError) -> dict[str, Any]:
     }
 
 
-def _in_motion(arm: Arm, motion: Sequence[OfDrive]) -> list[dict[str, Any]]:
-    """What a motion asks of each drive; torque and speed of a slide are a force and m/s, which the units say."""
+def _in_motion(arm: Arm, motion: Sequence[OfDrive] | None) -> list[dict[str, Any]] | None:
+    """What a motion asks of each drive; torque and speed of a slide are a force and m/s, which the units say. None
+    where nothing moves."""
+    if motion is None:
+        return None
     names = ("greatest_torque=torque", "rms_torque", "greatest_speed=speed", "greatest_power_W=power")
     return [
         {

@@ -9,11 +9,13 @@ import math
 from collections.abc import Mapping, Sequence
 from itertools import zip_longest
 
+from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.evaluation import Evaluation
 from linkwright.core.arm.figures import FIGURES, Figure
 from linkwright.core.arm.figures.frequency import FIRST_FREQUENCY
 from linkwright.core.arm.figures.local_buckling import LinkBuckling
 from linkwright.core.arm.figures.tip_stiffness import SIDEWAYS_STIFFNESS
+from linkwright.core.arm.motion.dynamics import OfDrive
 from linkwright.core.arm.placed.heights import heights
 from linkwright.core.arm.worst.search import WorstPose
 from linkwright.core.optimize.worse import MUCH_LESS, Worse, softened_links
@@ -321,6 +323,26 @@ def drives(evaluation: Evaluation, *, detail: bool = False) -> Table | None:
     return table(headings, rows, detail=detail)
 
 
+def in_motion(arm: Arm, motion: Sequence[OfDrive]) -> Table:
+    """Torque, speed, power and energy of each drive, and what shares of its peak and rated torques that takes."""
+    rated = any(rating is not None for joint in arm.joints for rating in joint.rating)
+    rows: list[list[Cell]] = [
+        [
+            count(number_),
+            amount(item.torque, "N·m" if joint.revolute else "N"),
+            amount(item.rms_torque, "N·m" if joint.revolute else "N"),
+            amount(item.speed, "rad/s" if joint.revolute else "m/s"),
+            amount(item.power, "W"),
+            amount(item.energy, "J"),
+            amount(item.braked, "J"),
+            *((share(math.nan if use is None else use, 3) for use in item.uses(joint)) if rated else ()),
+        ]
+        for number_, (joint, item) in enumerate(zip(arm.joints, motion, strict=True), start=1)
+    ]
+    headings = ("joint", "greatest torque", "RMS torque", "greatest speed", "greatest power", "energy", "braked off")
+    return table((*headings, "of peak", "RMS of rated") if rated else headings, rows)
+
+
 def asked(evaluation: Evaluation) -> list[tuple[str, str]]:
     """Workspace and load cases in words."""
     cases = [
@@ -328,7 +350,7 @@ def asked(evaluation: Evaluation) -> list[tuple[str, str]]:
     ]
     state = evaluation.relative_to
     since = [] if state is None else [("error relative to", calibrated_words(state))]
-    return [("workspace", workspace_words(evaluation.arm, evaluation.workspace)), *cases, *since]
+    return [("workspace", workspace_words(evaluation.arm, evaluation.workspace, evaluation.load_cases)), *cases, *since]
 
 
 def settings(rows: Sequence[tuple[str, str]]) -> Table:

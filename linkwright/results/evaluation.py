@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping, Sequence
 
 from linkwright.core.arm.chain.chain import Arm
@@ -28,7 +27,6 @@ from linkwright.results.document import (
     Lines,
     Paragraph,
     Picture,
-    Table,
     Value,
     amount,
     count,
@@ -51,7 +49,7 @@ LOADS = (
     "Statics of the undeformed arm at its worst pose, without acceleration. A joint's bearings hold it across and "
     "along its axis and against tilting. Its drive holds the rest."
 )
-_ASKED = "What the motion asks of the drives"
+_ASKED = "What the motion asks of each drive at most"
 _SCALE = "Drawn to scale, each link as it stands in this pose."
 
 
@@ -77,7 +75,7 @@ def describe(
     items: list[Item] = [
         Paragraph(design.as_sentence(design.bound_words(evaluation)), "under"),
         Paragraph(design.first_order_words(evaluation), "under"),
-        Paragraph(f"over {workspace_words(arm, evaluation.workspace)}", "under"),
+        Paragraph(f"over {workspace_words(arm, evaluation.workspace, evaluation.load_cases)}", "under"),
         *design.seam_words(evaluation),
         *([] if robust is None else [Paragraph(robust_words(robust), "under")]),
         *design.relative_words(evaluation),
@@ -94,7 +92,7 @@ def describe(
         section("Links", links, design.links(named)),
         section("Strength", design.strength(named)),
         *([section("Drives", drives)] if drives is not None else []),
-        *([] if motion is None else [section(_ASKED, _in_motion(evaluation.arm, motion))]),
+        *([] if motion is None else [section(_ASKED, design.in_motion(evaluation.arm, motion))]),
         _compliance(evaluation),
         *([section("What is not known", Lines(unknown))] if unknown else []),
         section("What was asked", given, design.joints(evaluation), detail=True),
@@ -105,26 +103,6 @@ def describe(
     headline = f"Worst {what}  {mm(evaluation.max_error, 5)}"
     name = f"{arm.name}, tip of {arm.tip}" if arm.tip and not arm.every_tip else arm.name
     return Description(name, headline, tuple(items), brief, f"{name}\n")
-
-
-def _in_motion(arm: Arm, motion: Sequence[OfDrive]) -> Table:
-    """Torque, speed, power and energy of each drive, and what shares of its peak and rated torques that takes."""
-    rated = any(rating is not None for joint in arm.joints for rating in joint.rating)
-    rows: list[list[Cell]] = [
-        [
-            count(number),
-            amount(item.torque, "N·m" if joint.revolute else "N"),
-            amount(item.rms_torque, "N·m" if joint.revolute else "N"),
-            amount(item.speed, "rad/s" if joint.revolute else "m/s"),
-            amount(item.power, "W"),
-            amount(item.energy, "J"),
-            amount(item.braked, "J"),
-            *((share(math.nan if use is None else use, 3) for use in item.uses(joint)) if rated else ()),
-        ]
-        for number, (joint, item) in enumerate(zip(arm.joints, motion, strict=True), start=1)
-    ]
-    headings = ("joint", "greatest torque", "RMS torque", "greatest speed", "greatest power", "energy", "braked off")
-    return table((*headings, "of peak", "RMS of rated") if rated else headings, rows)
 
 
 def _compliance(evaluation: Evaluation) -> Item:

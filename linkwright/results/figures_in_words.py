@@ -131,8 +131,8 @@ def calibrated_words(state: Calibrated) -> str:
     return f"{load}, at {figure(state.temperature - ZERO_CELSIUS)} degC"
 
 
-def workspace_words(arm: Arm, workspace: Workspace) -> str:
-    """Where the arm works, as a phrase."""
+def workspace_words(arm: Arm, workspace: Workspace, cases: Sequence[LoadCase] = ()) -> str:
+    """Where the arm works, as a phrase; `cases` are what it bears there."""
     if workspace.kind == "joints":
         ranges = workspace.ranges or tuple(joint.range for joint in arm.joints)
         spans = [
@@ -140,6 +140,8 @@ def workspace_words(arm: Arm, workspace: Workspace) -> str:
             for index, (low, high) in enumerate(ranges)
         ]
         return f"all poses within the joint ranges: {'; '.join(spans)}"
+    if workspace.kind == "poses" and any(case.moving is not None for case in cases):
+        return f"the {len(workspace.poses)} instants of the motion at which the tip errs or a link bears most"
     if workspace.kind == "poses":
         return f"{len(workspace.poses)} poses that the problem lists"
     used = 2 if workspace.in_plane else 3

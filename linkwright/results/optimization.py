@@ -231,7 +231,9 @@ def _drives(result: OptimizationResult) -> list[Section]:
         choices = table(headings, rows, first=MOST_CANDIDATES, title=title, rest=rest)
     held = design.drives(result.after, detail=True)
     lead = "Static loads over the whole workspace, against the rated torque."
-    return [section("Drives", design.joints(result.after), held, choices, lead=lead, detail=choices is None)]
+    moved = result.after.in_motion
+    cycle = None if moved is None else design.in_motion(result.after.arm, moved)
+    return [section("Drives", design.joints(result.after), held, cycle, choices, lead=lead, detail=choices is None)]
 
 
 def _search(result: OptimizationResult) -> Section:

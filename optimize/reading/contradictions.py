@@ -88,6 +88,10 @@ def _check_errors(mapping: Mapping, problem: Problem) -> None:
         raise mapping.error(
             key, f"average_error is over poses that stay, and those of a place move with lengths; {would_do}"
         )
+    if any(case.moving is not None for case in problem.load_cases):
+        raise mapping.error(
+            key, "average_error is over poses, and of a cycle the worst instants count; limit max_error"
+        )
     if problem.workspace.error != "whole":
         raise mapping.error(key, f"average_error is of the whole error, not of that {problem.workspace.error} the path")
 

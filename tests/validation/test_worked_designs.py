@@ -14,7 +14,8 @@ from linkwright.core.arm.actuators import load_actuators
 from linkwright.core.arm.chain.chain import LoadCase
 from linkwright.core.arm.descriptions.formats import export_arm
 from linkwright.core.arm.figures import FIGURES
-from linkwright.core.arm.motion.cycle import cycles_of, drive_torques
+from linkwright.core.arm.motion.cycle import cycles_of
+from linkwright.core.arm.motion.dynamics import drive_torques
 from linkwright.core.optimize.choice.actuators import with_actuators
 from linkwright.core.optimize.problem import Problem, read_problem
 from linkwright.core.optimize.run import optimise
@@ -96,7 +97,7 @@ def test_the_drives_of_the_five_axis_arm_bear_its_cycle() -> None:
     given = [(item.rated_torque, item.peak_torque) for item in map(known.find, FIVE_AXIS)]
     uses = np.array([rms, peak]).T / np.array(given, dtype=float)
     assert uses.max() <= 1.0
-    np.testing.assert_allclose(drive_torques(rigid, cycle), torque, atol=1e-6)
+    np.testing.assert_allclose(drive_torques(cycle.motion(rigid)), torque, atol=1e-6)
     # Links swing on gears that give, which takes a few hundredths more.
     assert FIGURES["motion_use"].value(result.after) == pytest.approx(0.916, abs=1e-3)
 

@@ -17,10 +17,11 @@ import numpy as np
 
 from linkwright.core.arm.bodies.beams import beam_of
 from linkwright.core.arm.bodies.bodies import link_axes, rod
-from linkwright.core.arm.chain.chain import Arm, Joint
+from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.figures.design import DesignExpressions, DesignValues
 from linkwright.core.arm.figures.figure import Asked, Cut, Figure, Held, PoseFamily, ThroughPoses, Worst
-from linkwright.core.arm.motion.cycle import Cycle, cycles_of, drive_torques
+from linkwright.core.arm.motion.cycle import Cycle, cycles_of
+from linkwright.core.arm.motion.dynamics import OfDrive, drive_torques, loads_of, most_of
 from linkwright.core.arm.motion.rigid import parameters_of, rigid_torque, without_tip_load
 from linkwright.core.sections.numeric import Array
 
@@ -31,13 +32,13 @@ _ROUNDING = 1e-9
 @dataclass(frozen=True)
 class CycleLoads:
     """The greatest of a figure over drives and cycles: root mean square and peak torque (N*m, of joints that turn), and
-    the share of what drives give that they take (None where nobody knows that); each joint's root mean square and peak
-    (N*m; N for a slide)."""
+    the share of what drives give that they take (None where nobody knows that); the most that is asked of each
+    drive."""
 
     rms: float | None
     peak: float | None
     use: float | None
-    by_joint: tuple[tuple[float, float], ...]
+    by_joint: tuple[OfDrive, ...]
 
 
 class Cycles(PoseFamily[CycleLoads]):
@@ -80,14 +81,14 @@ class Cycles(PoseFamily[CycleLoads]):
         if not cycles:
             return None
         joints = design.arm.joints
-        every = np.array([_measures(cycle, drive_torques(design.arm, cycle)) for cycle in cycles]).max(axis=0)
-        turning = [pair for joint, pair in zip(joints, every.tolist(), strict=True) if joint.revolute]
-        uses = [use for joint, pair in zip(joints, every.tolist(), strict=True) for use in _uses(joint, pair)]
+        drives = most_of([loads_of(cycle.motion(design.arm)) for cycle in cycles])
+        turning = [drive for joint, drive in zip(joints, drives, strict=True) if joint.revolute]
+        uses = [use for joint, drive in zip(joints, drives, strict=True) for use in drive.uses(joint)]
         return CycleLoads(
-            max((rms for rms, _ in turning), default=None),
-            max((peak for _, peak in turning), default=None),
-            max(uses, default=None),
-            tuple((rms, peak) for rms, peak in every.tolist()),
+            max((drive.rms_torque for drive in turning), default=None),
+            max((drive.torque for drive in turning), default=None),
+            max((use for use in uses if use is not None), default=None),
+            drives,
         )
 
     def values(self, result: CycleLoads) -> Mapping[str, float | None]:
@@ -97,8 +98,8 @@ class Cycles(PoseFamily[CycleLoads]):
     def warnings(self, arm: Arm, result: CycleLoads) -> list[str]:
         """One line for each drive that a cycle asks too much of."""
         lines: list[str] = []
-        for number, (joint, pair) in enumerate(zip(arm.joints, result.by_joint, strict=True), start=1):
-            unit = "N*m" if joint.revolute else "N"
+        for number, (joint, drive) in enumerate(zip(arm.joints, result.by_joint, strict=True), start=1):
+            unit, pair = "N*m" if joint.revolute else "N", (drive.rms_torque, drive.torque)
             for word, value, rating in zip(("rms", "peak"), pair, joint.rating, strict=True):
                 if rating is not None and value > rating:
                     given = "rated" if word == "rms" else "peak"
@@ -144,13 +145,10 @@ def _measures(cycle: Cycle, torque: Array) -> Array:
     return np.stack([np.sqrt(_shares(cycle) @ torque**2), np.abs(torque).max(axis=0)], axis=1)
 
 
-def _uses(joint: Joint, pair: list[float]) -> list[float]:
-    return [value / rating for value, rating in zip(pair, joint.rating, strict=True) if rating is not None]
-
-
 def _by_masses(arm: Arm, cycle: Cycle) -> tuple[Array, Array]:
     """A cycle's torques (N, n), and their terms (N, 1 + n, n): what no link's mass changes, then by kg of each link."""
-    torque, bare = drive_torques(arm, cycle), without_tip_load(cycle.motion(arm).arm)
+    motion = cycle.motion(arm)
+    torque, bare = drive_torques(motion), without_tip_load(motion.arm)
     terms = np.zeros((len(cycle.time), arm.size + 1, arm.size))
     terms[:, 0] = torque
     for index, link in enumerate(arm.links):

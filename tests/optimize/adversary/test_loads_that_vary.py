@@ -15,7 +15,8 @@ import pytest
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.evaluation import evaluate
-from linkwright.core.arm.motion.cycle import cycles_of, drive_torques, errors_along
+from linkwright.core.arm.motion.cycle import cycles_of, errors_along
+from linkwright.core.arm.motion.dynamics import drive_torques
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.robust.search import ScenarioSearch
@@ -106,7 +107,7 @@ def test_no_listed_design_does_a_cycle_better(seed: int, tmp_path: Path) -> None
     (cycle,) = cycles_of(first.load_cases)
     designs = list(listed_designs(first))
     errors = np.array([errors_along(item, cycle).max() for item in designs])
-    peaks = np.array([np.abs(drive_torques(item, cycle)).max() for item in designs])
+    peaks = np.array([np.abs(drive_torques(cycle.motion(item))).max() for item in designs])
     masses = np.array([mass_of(item) for item in designs])
     error, peak = float(np.median(errors)) * 1.02, float(np.quantile(peaks, 0.7)) * 1.001
     limits = f"max_error: '<= {1e3 * error:.9f} mm', peak_torque: '<= {peak:.9f} N*m', local_buckling: off"
@@ -116,7 +117,7 @@ def test_no_listed_design_does_a_cycle_better(seed: int, tmp_path: Path) -> None
     result = optimise(problem_of(tmp_path, arm, f"minimize: mass\n{base}subject_to: {{{limits}}}\n"))
     assert result.objective == pytest.approx(float(masses[keeping].min()), rel=2e-4)
     assert errors_along(result.arm, cycle).max() <= error * (1.0 + 2e-4)
-    assert np.abs(drive_torques(result.arm, cycle)).max() <= peak * (1.0 + 2e-4)
+    assert np.abs(drive_torques(cycle.motion(result.arm))).max() <= peak * (1.0 + 2e-4)
 
 
 @pytest.mark.slow

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
+from dataclasses import astuple, replace
 from pathlib import Path
 from typing import Any
 
@@ -21,7 +21,8 @@ from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.figures import FIGURES
 from linkwright.core.arm.figures.motion.cycle import least_use
-from linkwright.core.arm.motion.cycle import cycles_of, drive_torques, errors_along
+from linkwright.core.arm.motion.cycle import cycles_of, errors_along
+from linkwright.core.arm.motion.dynamics import drive_torques
 from linkwright.core.optimize.run import optimise
 from linkwright.core.units.quantities import InputError
 from tests.arm.motion.test_rigid import by_mujoco, random_arm, random_states
@@ -77,6 +78,22 @@ def test_a_bar_that_speeds_up_bends_as_under_a_load_that_grows_along_it(tmp_path
     root = (RHO * area * length**3 / 3.0 + length**2 + ball(1.0)) * 30.0
     stress = root * 0.015 / (math.pi * 0.03**4 / 64.0)
     assert evaluation.strength.stress[0] == pytest.approx(stress, rel=2e-3)
+
+
+def test_what_a_swinging_rod_asks_of_its_drive(tmp_path: Path) -> None:
+    """A cos(w t) without weight: torque J A w^2, speed A w, and half J (A w)^2 put in and braked off twice a period.
+    The worst instants of a cycle have no average error."""
+    swing(tmp_path, (0.0, 40.0, 0.0))
+    problem = problem_of(tmp_path, STILL + bars(500.0), "minimize: max_error\nload_cases: [{motion: cycle.csv}]\n")
+    (drive,) = evaluate(problem.arm, problem.workspace, problem.load_cases).in_motion or ()
+    inertia = RHO * math.pi * 0.015**2 * 0.5**3 / 3.0 + 0.5**2 + ball(1.0)
+    amplitude, frequency = math.radians(40.0), 2.0 * math.pi / PERIOD
+    peak, kinetic = inertia * amplitude * frequency**2, 0.5 * inertia * (amplitude * frequency) ** 2
+    expected = [peak, peak / math.sqrt(2.0), amplitude * frequency, 0.5 * peak * amplitude * frequency]
+    assert astuple(drive) == pytest.approx([*expected, 2.0 * kinetic, 2.0 * kinetic], rel=2e-3)
+    assert FIGURES["average_error"].value(evaluate(problem.arm, problem.workspace, problem.load_cases)) is None
+    with pytest.raises(InputError, match="worst instants count; limit max_error"):
+        problem_of(tmp_path, STILL + bars(500.0), "minimize: average_error\nload_cases: [{motion: cycle.csv}]\n")
 
 
 def ball(mass: float) -> float:
@@ -208,7 +225,7 @@ def test_a_rotor_of_the_catalogue_counts_with_the_square_of_its_gear(tmp_path: P
     (cycle,) = cycles_of(problem.load_cases)
     actuator = replace(load_actuators().find("CSG-20-100-2UH"), rotor_inertia=2e-5)
     joints = (replace(problem.arm.joints[0], actuator=actuator),)
-    more = drive_torques(replace(problem.arm, joints=joints), cycle) - drive_torques(problem.arm, cycle)
+    more = drive_torques(cycle.motion(replace(problem.arm, joints=joints))) - drive_torques(cycle.motion(problem.arm))
     np.testing.assert_allclose(more, 2e-5 * 100.0**2 * cycle.acceleration, rtol=1e-9)
 
 
