@@ -81,7 +81,7 @@ class MotionRules:
         "of the usual size",
         "One standard deviation of a textbook number that is fitted beside the names. Samples near in time share what "
         "no model says, so unseen motion asks for less than their number does.",
-        "unseen motion of seven robots (python -m benchmarks.real table)",
+        "unseen motion of six robots (python -m benchmarks.real table)",
     )
     ripple_speed: float = rule(
         0.4, "rad/s", "At higher speed a control loop turns fast orders into accelerations, and none are sought.", _LOGS

@@ -78,7 +78,9 @@ def hopeless(problem: Problem) -> bool:
     dear = bool(problem.limit("cost")) and any(drives_cost(problem) >= x.value for x in problem.limit("cost"))
     required = max((x.value for x in problem.limit(FIRST_FREQUENCY.name) if x.relation != "<="), default=0.0)
     use = min((x.value for x in problem.limit(MOTION_USE.name)), default=math.inf)
-    weak = any(least_use(problem.arm, cycle) > _SWUNG * use for cycle in cycles_of(problem.load_cases))
+    # What effects, counterweights and tapers change of a drive's torque does not go by the mass of links alone.
+    by_mass = not (problem.arm.effects or problem.balances or problem.free_tapers)
+    weak = by_mass and any(least_use(problem.arm, cycle) > _SWUNG * use for cycle in cycles_of(problem.load_cases))
     return heavy or dear or weak or (required > 0.0 and frequency_allowed(problem) < required)
 
 

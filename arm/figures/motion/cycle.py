@@ -115,12 +115,13 @@ class Cycles(PoseFamily[CycleLoads]):
         shown: list[Worst] = []
         for number, cycle in enumerate(cycles_of(problem.load_cases)):
             torque, by_mass = _by_masses(design.arm, cycle)
+            drives = loads_of(cycle.motion(design.arm))
             for index, joint in enumerate(design.arm.joints):
-                pair = _measures(cycle, torque)[index]
+                pair = drives[index].rms_torque, drives[index].torque
                 top = int(np.argmax(np.abs(torque[:, index])))
                 terms = by_mass[:, :, index]
                 forms = (np.einsum("na,nb,n->ab", terms, terms, _shares(cycle)), np.outer(terms[top], terms[top]))
-                for peak, (value, form) in enumerate(zip(pair.tolist(), forms, strict=True)):
+                for peak, (value, form) in enumerate(zip(pair, forms, strict=True)):
                     group = 2 * (number * design.arm.size + index) + peak
                     cut = Cut(tuple(cycle.q[top].tolist()), group, tuple(form.ravel(order="F").tolist()))
                     if joint.revolute:
@@ -138,11 +139,6 @@ def _shares(cycle: Cycle) -> Array:
     weights[:-1] += 0.5 * steps
     weights[1:] += 0.5 * steps
     return weights / float(steps.sum())
-
-
-def _measures(cycle: Cycle, torque: Array) -> Array:
-    """Root mean square and peak (n, 2) of torques (N, n)."""
-    return np.stack([np.sqrt(_shares(cycle) @ torque**2), np.abs(torque).max(axis=0)], axis=1)
 
 
 def _by_masses(arm: Arm, cycle: Cycle) -> tuple[Array, Array]:

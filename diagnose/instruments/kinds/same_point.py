@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from abc import abstractmethod
 from collections.abc import Sequence
 from typing import Any
 
@@ -49,9 +50,10 @@ class TouchPart(Part):
             f"{name} {what}" for name, _, whats in touched for what in whats
         ]
 
+    @abstractmethod
     def of_label(self, state: Any, seen: Seen, label: int) -> tuple[Array, Sequence[str]]:
         """How readings move with what is unknown of one thing (N, W, k), and what each of these is."""
-        raise NotImplementedError
+        ...
 
     def shifts(self, seen: Seen, label: int) -> Array:
         """What readings of one thing show of the tip's place (N, W, width)."""

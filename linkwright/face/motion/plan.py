@@ -96,7 +96,7 @@ def _name(item: Expected) -> str:
 
 
 def _why(item: Expected) -> str:
-    """Why the size of a name is not item."""
+    """Why the motion does not show the size of a name."""
     if item.beside is None:
         return "no: too little of it acts"
     return f"cannot be told: goes with {effect_words(*item.beside)}"

@@ -14,7 +14,7 @@ from scipy.optimize import brentq
 
 from linkwright.core.arm.actuators import load_actuators
 from linkwright.core.arm.bodies.inertia import Moving
-from linkwright.core.arm.chain.chain import Arm, LoadCase
+from linkwright.core.arm.chain.chain import Arm, EffectEntry, LoadCase
 from linkwright.core.arm.chain.statics import solve
 from linkwright.core.arm.descriptions.formats import export_arm
 from linkwright.core.arm.errors.model import beams_of
@@ -23,6 +23,7 @@ from linkwright.core.arm.figures import FIGURES
 from linkwright.core.arm.figures.motion.cycle import least_use
 from linkwright.core.arm.motion.cycle import cycles_of, errors_along
 from linkwright.core.arm.motion.dynamics import drive_torques
+from linkwright.core.optimize.choice.actuators import hopeless
 from linkwright.core.optimize.run import optimise
 from linkwright.core.units.quantities import InputError
 from tests.arm.motion.test_rigid import by_mujoco, random_arm, random_states
@@ -217,6 +218,17 @@ def test_no_rod_leaves_a_drive_less_than_its_payload_does(tmp_path: Path) -> Non
     (cycle,) = cycles_of(problem.load_cases)
     rms, peak = pendulum(1e-6, 1.0)
     assert least_use(problem.arm, cycle) == pytest.approx(max(rms / 10.0, peak / 15.0), rel=1e-4)
+
+
+def test_a_drive_is_too_weak_for_a_cycle_only_where_its_torque_goes_by_the_mass_of_links(tmp_path: Path) -> None:
+    """A spring of the joint holds the payload up, so that no drive is excluded before it is looked at."""
+    swing(tmp_path, (0.0, 40.0, 0.0))
+    drive = ", rated_torque: 1 N*m, peak_torque: 1 N*m"
+    text = "minimize: max_error\nload_cases: [{motion: cycle.csv}]\nsubject_to: {motion_use: '<= 1'}\n"
+    problem = problem_of(tmp_path, bars(500.0, joint=drive), text)
+    assert hopeless(problem)
+    spring = EffectEntry("spring", (1,), {"stiffness": 10.0, "rest": 0.0})
+    assert not hopeless(replace(problem, arm=replace(problem.arm, effects=(spring,))))
 
 
 def test_a_rotor_of_the_catalogue_counts_with_the_square_of_its_gear(tmp_path: Path) -> None:
