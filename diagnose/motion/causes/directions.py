@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Iterator, Sequence
 
 from linkwright.core.arm.effects.drives.torque_constant import TORQUE_CONSTANT
 from linkwright.core.arm.effects.friction.friction_load import FRICTION_LOAD
@@ -25,18 +25,10 @@ def instead_of_losses(identified: Identified, number: int, rules: Rules) -> tupl
     losses = [m for m in identified.members if groups[m.group].effect is GEAR_EFFICIENCY]
     if identified.members[number] not in losses:
         return ()
-    places = [groups[m.group].at for m in losses]
     rest = [m for m in identified.fitted if m not in losses]
-    taken = {groups[m.group].family for m in rest}
-    rubs = [_number(groups, FRICTION_LOAD.id, at) for at in places]
-    masses = [k for k, g in enumerate(groups) if g.effect is LINK_INERTIAL and g.tied]
-    constants = [_number(groups, TORQUE_CONSTANT.id, at) for at in places]
     system, made = identified.system, list[Alternative]()
     evidence = system.evidence([*rest, *losses])
-    for more in (masses[:1], constants):
-        chosen = [k for k in (*rubs, *more) if k is not None]
-        if not more or len(chosen) < len(rubs) + len(more) or any(groups[k].family in taken for k in chosen):
-            continue
+    for chosen in _in_place(groups, [groups[m.group].at for m in losses], {groups[m.group].family for m in rest}):
         other = list(rest)
         for k in chosen:
             other.append(Member(k, float(system.offers(other).scale[k])))
@@ -44,6 +36,20 @@ def instead_of_losses(identified: Identified, number: int, rules: Rules) -> tupl
         if worse <= rules.search.refuted_odds and system.within(other).all():
             made.append(Alternative(tuple(groups[k].family for k in chosen), max(worse, 0.0)))
     return tuple(made)
+
+
+def _in_place(
+    groups: Sequence[Group], places: Sequence[tuple[int, ...]], taken: Collection[tuple[str, tuple[int, ...]]]
+) -> Iterator[list[int]]:
+    """Groups, by number, that may stand for losses at all places (from 1), none of a family that is taken."""
+    rubs = [_number(groups, FRICTION_LOAD.id, at) for at in places]
+    masses = [k for k, g in enumerate(groups) if g.effect is LINK_INERTIAL and g.tied]
+    constants = [_number(groups, TORQUE_CONSTANT.id, at) for at in places]
+    for more in (masses[:1], constants):
+        chosen = [k for k in (*rubs, *more) if k is not None]
+        complete = bool(more) and len(chosen) == len(rubs) + len(more)
+        if complete and not any(groups[k].family in taken for k in chosen):
+            yield chosen
 
 
 def _number(groups: Sequence[Group], effect: str, at: tuple[int, ...]) -> int | None:

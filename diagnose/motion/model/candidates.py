@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+from collections import Counter
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
 
@@ -197,36 +198,50 @@ def candidates(
     probe = _probe(motion)
     slopes = regressor(arm, probe[0].q, probe[0].velocity, probe[0].acceleration)
     sources: list[Source] = []
-    at_column = 0
+    width = 0
     for effect in (*effects, SHARPER):
         variants = _grid(effect, rules.motion.slow)
         late = len(variants) > _MOST_VARIANTS or effect.recording.last_resort
         if effect.torques is None or not _shown(effect, motion) or late:
             continue
         for at in _places(arm, effect):
-            sizes, bent = effect.torque_sizes, isinstance(effect.torques, Bent)
-            source = Source(effect, at, variants[0], sizes[:1] if bent else sizes, at_column, False)
-            if isinstance(effect.torques, OfInertia):
-                first = second = replace(source, joints=tuple(range(arm.size))).torques(probe[0], slopes)
-                first = {joint: columns for joint, columns in first.items() if columns.any()}
-            else:
-                first, second = (source.torques(item) for item in probe)
-            seen = [
-                number
-                for number in range(len(source.sizes))
-                if any(np.abs(columns[:, number]).max() > 0.0 for columns in first.values())
-            ]
-            if not seen:
+            acting = _acting(effect, at, variants[0], arm, probe, slopes)
+            if acting is None:
                 continue
-            by_load = any(not np.allclose(first[j], second[j], rtol=1e-6, atol=1e-12) for j in first)
-            sizes = tuple(source.sizes[number] for number in seen)
-            usual = np.array([max(map(abs, size.typical)) for size in sizes])
-            if isinstance(effect.torques, Bent):
-                usual[0] = effect.torques.usual(probe[0], at[0])
             for shapes in variants:
-                sources.append(Source(effect, at, shapes, sizes, at_column, by_load, tuple(sorted(first)), usual))
-                at_column += len(sizes)
-    return Candidates(tuple(sources), tuple(_groups(sources, arm, masses, clock, rules)), at_column, clock)
+                sources.append(replace(acting, shapes=shapes, start=width))
+                width += len(acting.sizes)
+    return Candidates(tuple(sources), tuple(_groups(sources, arm, masses, clock, rules)), width, clock)
+
+
+def _acting(
+    effect: Effect,
+    at: tuple[int, ...],
+    shapes: Mapping[str, float],
+    arm: Arm,
+    probe: tuple[Motion, Motion],
+    slopes: Array,
+) -> Source | None:
+    """An effect at a place (from 0) with those of its sizes that change some joint's torque; None without any."""
+    bent = effect.torques if isinstance(effect.torques, Bent) else None
+    whole = Source(effect, at, shapes, effect.torque_sizes[:1] if bent else effect.torque_sizes, 0, False)
+    if isinstance(effect.torques, OfInertia):
+        first = second = replace(whole, joints=tuple(range(arm.size))).torques(probe[0], slopes)
+        first = {joint: columns for joint, columns in first.items() if columns.any()}
+    else:
+        first, second = (whole.torques(item) for item in probe)
+    sizes = tuple(
+        size
+        for number, size in enumerate(whole.sizes)
+        if any(np.abs(columns[:, number]).max() > 0.0 for columns in first.values())
+    )
+    if not sizes:
+        return None
+    usual = np.array([max(map(abs, size.typical)) for size in sizes])
+    if bent:
+        usual[0] = bent.usual(probe[0], at[0])
+    by_load = any(not np.allclose(first[j], second[j], rtol=1e-6, atol=1e-12) for j in first)
+    return replace(whole, sizes=sizes, by_load=by_load, joints=tuple(sorted(first)), usual=usual)
 
 
 def scanned(effects: Sequence[Effect]) -> list[tuple[Effect, tuple[float, ...]]]:
@@ -355,83 +370,80 @@ def _probe(motion: Motion) -> tuple[Motion, Motion]:
 
 
 def _groups(sources: Sequence[Source], arm: Arm, masses: Array, clock: float, rules: Rules) -> list[Group]:
-    groups: list[Group] = []
+    variants = Counter(source.place for source in sources)
     by_effect: dict[tuple[str, tuple[tuple[str, float], ...]], list[Source]] = {}
+    groups: list[Group] = []
     for source in sources:
         by_effect.setdefault((source.effect.id, tuple(source.shapes.items())), []).append(source)
-    variants: dict[tuple[str, tuple[int, ...]], int] = {}
-    for source in sources:
-        key = (source.effect.id, source.at)
-        variants[key] = variants.get(key, 0) + 1
-    for source in sources:
-        key = source.place
-        at = tuple(index + 1 for index in source.at)
-        groups.append(
-            Group(
-                source.effect,
-                at,
-                source.shapes,
-                source.columns,
-                np.eye(len(source.sizes)),
-                source.usual,
-                _bounds(source, arm, rules.fitting.usual, alone=True),
-                source.sizes,
-                tuple((at, size.name) for size in source.sizes),
-                (source.effect.id, at),
-                variants[key],
-                nuisance=source.effect is SHARPER,
-                body=_body(source, arm, masses),
-                beside=_plain(source),
-            )
-        )
-        if source.delays:
-            # By part of a sample torques may be late or early to coordinates: no delay, but how a log was written.
-            limits = np.array([[-np.inf], [np.inf]])
-            labels = tuple((at, size.name) for size in source.sizes)
-            family = ("clock", at)
-            groups.append(
-                Group(
-                    source.effect,
-                    at,
-                    {},
-                    source.columns,
-                    np.eye(1),
-                    np.array([clock / 3.0]),  # what is within its reach is within three standard deviations
-                    limits,
-                    source.sizes,
-                    labels,
-                    family,
-                    1,
-                    nuisance=True,
-                )
-            )
-    for alike in by_effect.values():
-        effect = alike[0].effect
-        if len(alike) < 2 or len(alike[0].at) != 1:
-            continue
-        at = tuple(source.at[0] + 1 for source in alike)
-        columns = np.concatenate([source.columns for source in alike])
-        shared = variants[(effect.id, alike[0].at)]
-        bounds = _bounds(alike[0], arm, rules.fitting.usual)
-        if effect.together or (effect.recording.of_instrument and alike[0].by_load):
-            usual = alike[0].usual
-            mixing = np.tile(np.eye(len(alike[0].sizes)), (len(alike), 1))
-            shapes, many, sizes = alike[0].shapes, shared, alike[0].sizes
-        elif isinstance(effect.torques, OfInertia) and effect.place == "link":
-            # All that the arm weighs by one factor: what nobody tells from all torque constants.
-            held = [dict(zip(PARAMETERS, row.tolist(), strict=True)) for row in masses]
-            mixing = np.array([[held[source.at[0]][size.name]] for source in alike for size in source.sizes])
-            usual, shapes, many = np.array([rules.motion.scaled]), {}, 1
-            sizes = (Parameter("share", "dimensionless", "of all masses", -1.0, 1.0, (0.0, rules.motion.scaled), ""),)
-            bounds = np.array([[-1.0], [1.0]]) * rules.fitting.usual * rules.motion.scaled
-        else:
-            continue
-        labels = tuple(((source.at[0] + 1,), size.name) for source in alike for size in source.sizes)
-        family = (effect.id, at)
-        tied = Group(effect, at, shapes, columns, mixing, usual, bounds, sizes, labels, family, many, tied=True)
-        # One number by which all masses grow together stands in for no rotor.
-        groups.append(tied if isinstance(effect.torques, OfInertia) else replace(tied, beside=_plain(alike[0])))
-    return groups
+        alone = _alone(source, arm, masses, variants[source.place], rules)
+        groups += [alone, _clock_beside(alone, clock)] if source.delays else [alone]
+    tied = (_tied(alike, arm, masses, variants[alike[0].place], rules) for alike in by_effect.values())
+    return [*groups, *(group for group in tied if group is not None)]
+
+
+def _alone(source: Source, arm: Arm, masses: Array, variants: int, rules: Rules) -> Group:
+    """The candidate of one source alone."""
+    at = tuple(index + 1 for index in source.at)
+    return Group(
+        source.effect,
+        at,
+        source.shapes,
+        source.columns,
+        np.eye(len(source.sizes)),
+        source.usual,
+        _bounds(source, arm, rules.fitting.usual, alone=True),
+        source.sizes,
+        tuple((at, size.name) for size in source.sizes),
+        (source.effect.id, at),
+        variants,
+        nuisance=source.effect is SHARPER,
+        body=_body(source, arm, masses),
+        beside=_plain(source),
+    )
+
+
+def _clock_beside(delay: Group, clock: float) -> Group:
+    """By part of a sample torques may be late or early to coordinates: no delay, but how a log was written."""
+    return replace(
+        delay,
+        shapes={},
+        usual=np.array([clock / 3.0]),  # what is within its reach is within three standard deviations
+        bounds=np.array([[-np.inf], [np.inf]]),
+        family=("clock", delay.at),
+        variants=1,
+        nuisance=True,
+        beside=(),
+    )
+
+
+def _tied(alike: Sequence[Source], arm: Arm, masses: Array, variants: int, rules: Rules) -> Group | None:
+    """One candidate of an effect at all of its places together; None of what has no number in common."""
+    first, effect = alike[0], alike[0].effect
+    inertia = isinstance(effect.torques, OfInertia)
+    if len(alike) < 2 or len(first.at) != 1:
+        return None
+    if effect.together or (effect.recording.of_instrument and first.by_load):
+        usual, sizes, shapes = first.usual, first.sizes, first.shapes
+        mixing = np.tile(np.eye(len(sizes)), (len(alike), 1))
+        bounds = _bounds(first, arm, rules.fitting.usual)
+    elif inertia and effect.place == "link":
+        # All that the arm weighs by one factor: what nobody tells from all torque constants.
+        held = [dict(zip(PARAMETERS, row.tolist(), strict=True)) for row in masses]
+        mixing = np.array([[held[source.at[0]][size.name]] for source in alike for size in source.sizes])
+        usual, shapes, variants = np.array([rules.motion.scaled]), {}, 1
+        sizes = (Parameter("share", "dimensionless", "of all masses", -1.0, 1.0, (0.0, rules.motion.scaled), ""),)
+        bounds = np.array([[-1.0], [1.0]]) * rules.fitting.usual * rules.motion.scaled
+    else:
+        return None
+    at = tuple(source.at[0] + 1 for source in alike)
+    columns = np.concatenate([source.columns for source in alike])
+    labels = tuple(((source.at[0] + 1,), size.name) for source in alike for size in source.sizes)
+    # One number by which all masses grow together stands in for no rotor.
+    beside = () if inertia else _plain(first)
+    named = (effect.id, at)
+    return Group(
+        effect, at, shapes, columns, mixing, usual, bounds, sizes, labels, named, variants, tied=True, beside=beside
+    )
 
 
 def _plain(source: Source) -> tuple[Effect, ...]:

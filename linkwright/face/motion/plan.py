@@ -29,7 +29,7 @@ from linkwright.json.fields import fields
 from linkwright.json.motion import OBSERVES
 from linkwright.output.table_file import frame
 from linkwright.results.diagnoses.words import effect_words, quantity
-from linkwright.results.document import Cell, Description, Item, Lines, Table, Value, count, share, table
+from linkwright.results.document import Cell, Description, Lines, Table, Value, count, share, table
 from linkwright.results.figures_in_words import coordinate, figure, percent, with_unit
 from linkwright.results.motion.words import torque
 
@@ -51,9 +51,16 @@ def describe(result: MotionPlanResult) -> Description:
     shown = [item for item in result.expected if item.shown]
     least = f", the worst of them {_name(shown[0])} to {percent(shown[0].share)} of its usual size" if shown else ""
     headline = f"{seconds} of motion: {len(shown)} of {len(result.expected)} names are told{least}"
-    best = [item.share / item.random for item in result.expected if item.shown and item.random > 0.0]
+    best = [item.share / item.random for item in shown if item.random > 0.0]
     if best:
         headline += f". Intervals are {figure(float(np.median(best)), 2)} times those of motions at random."
+    items = (*_tables(result), _kept(result), Lines(tuple(_notes(result))))
+    title = "a motion worth logging" if result.tried else "what a log tells"
+    return Description(f"{model.name}: {title}", headline, items, headline, f"{model.name}: ")
+
+
+def _tables(result: MotionPlanResult) -> list[Table]:
+    """How far the motion tells each name, and what it tells apart."""
     rows = [
         (
             _name(item),
@@ -68,23 +75,21 @@ def describe(result: MotionPlanResult) -> Description:
         for item in result.apart
     ]
     against = ("what", "told from", "of its pattern is left", "motion at random", "at usual size")
-    items: list[Item] = [
-        _shown(("name", "told", "95 % interval", *(["motions at random"] if result.tried else [])), rows),
-        *([_shown(against, apart)] if apart else []),
-        _kept(result),
-    ]
-    lines = ["Shares are of the usual size. Intervals hold beside the terms that every drive has."]
+    told = _shown(("name", "told", "95 % interval", *(["motions at random"] if result.tried else [])), rows)
+    return [told, _shown(against, apart)] if apart else [told]
+
+
+def _notes(result: MotionPlanResult) -> Iterator[str]:
+    """What the figures rest on, a line each."""
+    yield "Shares are of the usual size. Intervals hold beside the terms that every drive has."
     if result.tried:
-        lines.append(f"{result.tried} motions were tried. Ranges, speeds and peak torques of the arm file are kept.")
-    guessed = [str(number) for number, joint in enumerate(model.joints, start=1) if joint.velocity is None]
+        yield f"{result.tried} motions were tried. Ranges, speeds and peak torques of the arm file are kept."
+    guessed = [str(number) for number, joint in enumerate(result.arm.joints, start=1) if joint.velocity is None]
     if guessed and result.tried:
         some = f"joint{'s' if len(guessed) > 1 else ''} {listed(guessed)}"
-        lines.append(f"The arm file tells no greatest speed of {some} (`velocity`): 1 rad/s or 0.25 m/s is taken.")
+        yield f"The arm file tells no greatest speed of {some} (`velocity`): 1 rad/s or 0.25 m/s is taken."
     if result.unseen:
-        lines.append(f"Does not act on this arm's torques: {listed([effect_words(*item) for item in result.unseen])}.")
-    items.append(Lines(tuple(lines)))
-    title = "a motion worth logging" if result.tried else "what a log tells"
-    return Description(f"{model.name}: {title}", headline, tuple(items), headline, f"{model.name}: ")
+        yield f"Does not act on this arm's torques: {listed([effect_words(*item) for item in result.unseen])}."
 
 
 def _shown(headings: Sequence[str], rows: Sequence[Sequence[Cell]]) -> Table:
