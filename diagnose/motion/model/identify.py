@@ -151,21 +151,13 @@ def identify(
         members = []
     else:
         members = _kept(pool, steady, folds, members, torque, rules=rules)
-        taken = {m.group for m in members}
-        allowed = turning | np.array([number in taken for number in range(len(pool.groups))])
-        members_ = searched(near.system, allowed, initial=members, rules=rules)
-        more = [m for m in _kept(pool, near, folds, members_, torque, rules=rules) if turning[m.group]]
-        # What steady motion named goes only where something at reversals stands for it.
-        there = {joint for m in more for joint in _joints(pool, m)}
-        still = {m.group for m in members_}
-        members = [m for m in members if m.group in still or not _joints(pool, m) <= there]
-        members += [m for m in more if m.group not in taken]
+        members = _with_reversals(pool, near, turning, folds, members, torque, rules=rules)
     while True:
-        joints = {joint for m in members if turning[m.group] for joint in _joints(pool, m)}
+        joints = _turning_joints(pool, members, turning)
         pick = np.array([joint in joints for joint in range(len(torque))])
         final = _fit(pool, mixed(steady.products, near.products, pick), certain, seed)
         members = _kept(pool, final, folds, members, torque, rules=rules)
-        if joints == {joint for m in members if turning[m.group] for joint in _joints(pool, m)}:
+        if joints == _turning_joints(pool, members, turning):
             break
     fitted = [*members, *final.system.nuisances]
     named = final.system.spread[:, final.system.places(fitted)]
@@ -186,6 +178,33 @@ def identify(
         pick,
         torque,
     )
+
+
+def _with_reversals(
+    pool: Candidates,
+    near: _Fit,
+    turning: NDArray[np.bool_],
+    folds: NDArray[np.int64],
+    members: Sequence[Member],
+    torque: Array,
+    *,
+    rules: Rules,
+) -> list[Member]:
+    """What steady motion named, and what motion `near` reversals names beside it of the groups that act there."""
+    taken = {m.group for m in members}
+    allowed = turning | np.array([number in taken for number in range(len(pool.groups))])
+    found = searched(near.system, allowed, initial=members, rules=rules)
+    more = [m for m in _kept(pool, near, folds, found, torque, rules=rules) if turning[m.group]]
+    # What steady motion named goes only where something at reversals stands for it.
+    there = {joint for m in more for joint in _joints(pool, m)}
+    still = {m.group for m in found}
+    kept = [m for m in members if m.group in still or not _joints(pool, m) <= there]
+    return [*kept, *(m for m in more if m.group not in taken)]
+
+
+def _turning_joints(pool: Candidates, members: Sequence[Member], turning: NDArray[np.bool_]) -> set[int]:
+    """The joints (from 0) of members that act at reversals."""
+    return {joint for m in members if turning[m.group] for joint in _joints(pool, m)}
 
 
 def _apart(system: System, members: Sequence[Member]) -> Array:
