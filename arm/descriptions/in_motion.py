@@ -14,6 +14,7 @@ from linkwright.core.arm.bodies.bodies import Mass
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects import EFFECTS, Settings
 from linkwright.core.arm.effects.drives.armature import ARMATURE
+from linkwright.core.arm.effects.drives.back_emf import BACK_EMF
 from linkwright.core.arm.effects.drives.spring import SPRING
 from linkwright.core.arm.effects.friction.friction_coulomb import FRICTION_COULOMB
 from linkwright.core.arm.effects.friction.friction_viscous import FRICTION_VISCOUS
@@ -41,10 +42,12 @@ _WORDS: Mapping[Format, tuple[_Word, ...]] = MappingProxyType(
         "urdf": (
             _Word(FRICTION_COULOMB.id, "torque", "friction"),
             _Word(FRICTION_VISCOUS.id, "coefficient", "damping"),
+            _Word(BACK_EMF.id, "coefficient", "damping"),
         ),
         "mjcf": (
             _Word(FRICTION_COULOMB.id, "torque", "frictionloss"),
             _Word(FRICTION_VISCOUS.id, "coefficient", "damping"),
+            _Word(BACK_EMF.id, "coefficient", "damping"),
             _Word(ARMATURE.id, "inertia", "armature"),
             _Word(SPRING.id, "stiffness", "stiffness"),
             _Word(SPRING.id, "rest", "springref"),

@@ -15,6 +15,7 @@ from linkwright.core.arm.effects.angles.joint_waviness import JOINT_WAVINESS
 from linkwright.core.arm.effects.angles.latency import LATENCY
 from linkwright.core.arm.effects.angles.stale_reading import STALE_READING
 from linkwright.core.arm.effects.drives.armature import ARMATURE
+from linkwright.core.arm.effects.drives.back_emf import BACK_EMF
 from linkwright.core.arm.effects.drives.gear_ripple import GEAR_RIPPLE
 from linkwright.core.arm.effects.drives.spring import SPRING
 from linkwright.core.arm.effects.drives.torque_constant import TORQUE_CONSTANT
@@ -135,6 +136,7 @@ EFFECTS.ship(
     FRICTION_QUADRATIC,
     FRICTION_PLACE,
     ARMATURE,
+    BACK_EMF,
     TORQUE_CONSTANT,
     TORQUE_OFFSET,
     TORQUE_DELAY,

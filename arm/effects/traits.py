@@ -145,8 +145,8 @@ class RecordingTraits:
     moments about where it is alone: of links that nobody has weighed it shows the masses beside the first moments.
     `weights_named` marks what could be almost anything under unknown weights of its own, and is sought only under those
     that an arm file names. `last_resort` marks what could be any torque over its joint's coordinate, and is sought only
-    where all else leaves something. `told_as` is a sum of its sizes by which it is reported where they do not show one
-    by one.
+    where all else leaves something. `of_voltage` marks what only a log of voltages shows. `told_as` is a sum of its
+    sizes by which it is reported where they do not show one by one.
     `sizes_at` names which of its sizes a joint or link (from 0) of an arm has, where not all have the same.
     `against_plumb` is how the whole arm is turned against the plumb line (rad, about the base's axes), of which levels
     see what the tip does not.
@@ -164,6 +164,7 @@ class RecordingTraits:
     under_forces: bool = False
     weights_named: bool = False
     last_resort: bool = False
+    of_voltage: bool = False
     told_as: Sum | None = None
     sizes_at: Callable[[Arm, int], tuple[str, ...]] | None = None
     against_plumb: Callable[[Settings], Vector] = stands_plumb

@@ -13,7 +13,7 @@ FRICTION_VISCOUS = drive_effect(
     formula="d_i q'_i",
     cause="friction in motion",
     needs="several speeds",
-    aliases=("friction_quadratic", "friction_coulomb"),
+    aliases=("friction_quadratic", "friction_coulomb", "back_emf"),
     source="B. Armstrong-Helouvry, P. Dupont & C. Canudas de Wit, A survey of models, analysis tools and compensation "
     "methods for the control of machines with friction, Automatica 30 (1994) 1083-1138, "
     "doi:10.1016/0005-1098(94)90209-7",

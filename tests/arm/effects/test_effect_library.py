@@ -84,7 +84,7 @@ def test_the_whole_table_is_there() -> None:
     friction_coulomb friction_viscous friction_stribeck friction_load friction_asymmetry friction_warmup
     friction_reversal friction_quadratic friction_place armature torque_constant torque_offset torque_delay
     link_inertial gear_ripple spring torque_curve friction_load_stribeck
-    gear_efficiency"""
+    gear_efficiency back_emf"""
     assert set(EFFECTS) == set(table.split())
 
 
