@@ -185,6 +185,9 @@ def kinds() -> dict[str, Kind]:
         _kind("power", "W", "250 W", (0.0, "W"), (1e4, "kW")),
         _kind("current", "A", "2 A"),
         _kind("torque_constant", "N*m/A", "11.2 N*m/A"),
+        _kind("voltage", "V", "12 V"),
+        _kind("torque_per_voltage", "N*m/V", "0.4 N*m/V"),
+        _kind("per_angle", "1/rad", "5 1/rad"),
         _kind("energy", "J", "12 J", (0.0, "J"), (1e4, "kJ")),
     )
     return {row.name: row for row in rows}

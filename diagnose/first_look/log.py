@@ -54,7 +54,9 @@ def look_at_logs(logs: Sequence[tuple[MotionLog, Mapping[str, str]]], arm: Arm, 
 
 def _without_clipped(log: MotionLog, headers: Mapping[str, str], rules: Rules) -> MotionLog:
     """The log without torques that hold their extreme, as clipped ones do: those samples of that joint are unknown."""
-    base, torque, sentences = "current" if log.from_current else "tau", log.torque.copy(), list[str]()
+    if log.drive.of_voltage:
+        return log  # a loop at its limit gives what it gives
+    base, torque, sentences = log.drive.base, log.torque.copy(), list[str]()
     moves = np.any(np.diff(log.q, axis=0, prepend=np.nan) != 0.0, axis=1)
     for k in range(torque.shape[1]):
         clipped = np.zeros(log.size, dtype=bool)
@@ -63,7 +65,7 @@ def _without_clipped(log: MotionLog, headers: Mapping[str, str], rules: Rules) -
         if clipped.any():
             name = headers.get(f"{base}{k + 1}", f"{base}{k + 1}")
             extremes = " and ".join(f"{item:.4g}" for item in np.unique(torque[clipped, k]).tolist())
-            unit = "A" if log.torque_constants_free else "N*m"
+            unit = log.drive.unit if log.torque_constants_free else "N*m"
             sentences.append(
                 f"{name} is clipped at {extremes} {unit}: {int(clipped.sum())} of {log.size} samples hold that value "
                 f"({rows_text(log.row[clipped])}) and are set aside at joint {k + 1}."

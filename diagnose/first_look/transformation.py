@@ -13,7 +13,7 @@ from linkwright.core.arm.files.origin import of_the_other_convention
 from linkwright.core.diagnose.reading.columns import formulas
 from linkwright.core.sections.numeric import Array
 
-_MOVING, _PUSHING = ("q", "v"), ("tau", "current")
+_MOVING, _PUSHING = ("q", "v"), ("tau", "current", "voltage")
 
 
 @dataclass(frozen=True, eq=False)

@@ -65,7 +65,7 @@ def look_at_weights(
     seen: dict[int, _Look] = {}
     libraries: dict[tuple[tuple[str, str], ...], Library] = {}
     for number, (log, headers) in enumerate(logs):
-        fresh = Library(arm, headers, base="current" if log.from_current else "tau")
+        fresh = Library(arm, headers, base=log.drive.base)
         library = libraries.setdefault((*sorted(headers.items()), ("base", fresh.base)), fresh)
         if (evidence := TorqueEvidence.of(log, library, rules)) is not None:
             _refuse_motor_torques(evidence, log, arm, headers, rules)
@@ -136,9 +136,11 @@ def _without_weights(look: _Look, rules: Rules) -> str:
     if not strange:
         return ""
     explained = [f"{k + 1}" for k in bearing if k not in strange]
-    names = ", ".join(look.headers.get(f"current{k + 1}", f"current{k + 1}") for k in strange)
-    sentence = f"{names}: the arm's weights make next to nothing of this; is it a voltage or a PWM? "
-    sentence += "If it is a current, write its `torque_constants`."
+    drive = look.log.drive
+    names = ", ".join(look.headers.get(name := f"{drive.base}{k + 1}", name) for k in strange)
+    sentence = f"{names}: the arm's weights make next to nothing of this"
+    sentence += "." if drive.of_voltage else "; is it a voltage or a PWM?"
+    sentence += f" If it is one of its {drive.words}, write its `torque_constants`."
     return sentence + (f" Without them these joints can be told: {', '.join(explained)}." if explained else "")
 
 
@@ -179,7 +181,7 @@ def _of_little_torque(evidence: TorqueEvidence, log: MotionLog, headers: Mapping
     little = [k for k in evidence.joints.tolist() if logged[k] * rules.log.least_gear < made[k]]
     if evidence.free or not little:
         return log
-    base = "current" if log.from_current else "tau"
+    base = log.drive.base
     each = ", ".join(f"{headers.get(f'{base}{k + 1}', '')} {logged[k]:.2g} for {made[k]:.2g}" for k in little)
     sentence = (
         f"Torques are next to nothing beside those of the arm file's weights (RMS: {each}): not logged, currents, or "
@@ -190,6 +192,6 @@ def _of_little_torque(evidence: TorqueEvidence, log: MotionLog, headers: Mapping
 
 def refuse_millimetres(log: MotionLog, arm: Arm, headers: Mapping[str, str], message: str) -> None:
     """Refuse torques that seem to be in N mm."""
-    base = "current" if log.from_current else "tau"
+    base = log.drive.base
     names = [name for k in range(arm.size) if (name := headers.get(f"{base}{k + 1}", ""))]
     raise refusal(log.file, ", ".join(names), f"{message}?", {"columns": {name: f"{name}/1000" for name in names}})

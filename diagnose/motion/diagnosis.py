@@ -94,17 +94,18 @@ def diagnosed(
     rules = request.rules
     tell("preparing logs", 0.0)
     logs, prepared = _all_prepared(arm, logs, rules)
-    if max(float(item.moving.sum(axis=0).max()) * _spacing(item) for item in prepared) < rules.motion.least_moving:
+    if sum(item.moving.sum(axis=0) * _spacing(item) for item in prepared).max() < rules.motion.least_moving:
         return _too_little(arm, logs, prepared, begun), None
     masses = link_parameters(arm)
+    effects = _effects(request, logs)
     pool = candidates(
-        arm, _effects(request), prepared[0].motion, masses, rules.motion.of_a_sample / max(_rates(logs)), rules=rules
+        arm, effects, prepared[0].motion, masses, rules.motion.of_a_sample / max(_rates(logs)), rules=rules
     )
     rows = []
     for number, each in enumerate(prepared):
         tell(f"fitting {Path(each.log.file).name}", 0.05 + 0.3 * number / len(prepared))
         rows.append(log_rows(each, pool, rules=rules))
-    scans = scanned(_effects(request))
+    scans = scanned(effects)
     tell("fitting ripple by order", 0.35)
     heard = noise(pool, products(joint_rows(rows), pool.width, near=False))
     event = next_event(arm, pool, rows, heard, events, rules=rules)
@@ -154,7 +155,7 @@ def _with_curves(
     seen = [_structure(identified, joint, request) for joint in range(arm.size)]
     beyond = _beyond_noise(identified.noise.sigma, identified.torque, heard, rules)
     loud = np.logical_and(beyond, identified.noise.sigma > heard)
-    curves = curves_left(arm, pool, seen, loud, _effects(request), rules=rules)
+    curves = curves_left(arm, pool, seen, loud, _effects(request, [item.log for item in prepared]), rules=rules)
     while curves:
         wider = with_variants(pool, arm, link_parameters(arm), curves, rules=rules)
         more = [with_sources(row, wider.sources[len(pool.sources) :]) for row in rows]
@@ -188,11 +189,15 @@ def _ripples(
     ]
 
 
-def _effects(options: Options) -> list[Effect]:
+def _effects(options: Options, logs: Sequence[MotionLog]) -> list[Effect]:
+    """The effects that such logs may show."""
+    voltages = all(log.drive.of_voltage for log in logs)
     return [
         effect
         for effect in (EFFECTS[name] for name in EFFECTS)
-        if effect.torques is not None and effect.id not in options.without
+        if effect.torques is not None
+        and effect.id not in options.without
+        and (voltages or not effect.recording.of_voltage)
     ]
 
 

@@ -1,4 +1,5 @@
-"""Torque constants that nobody says, by what the arm weighs: currents as torques, one factor at each joint."""
+"""Torque constants that nobody says, by what the arm weighs: currents and voltages as torques, one factor at each
+joint."""
 
 from __future__ import annotations
 
@@ -20,9 +21,10 @@ from .preparation import PreparedLog
 
 
 def weighed(arm: Arm, prepared: Sequence[PreparedLog], *, rules: Rules) -> list[MotionLog]:
-    """The logs with currents of unknown torque constants as torques, by the constants that the arm's weights make.
+    """The logs with currents or voltages of unknown torque constants as torques, by the constants that the arm's
+    weights make.
 
-    Drives by whose currents the weights tell nothing count as not logged: their friction alone tells no constant.
+    Drives by whose signals the weights tell nothing count as not logged: their friction alone tells no constant.
 
     Args:
         arm: The arm, its masses known.
@@ -39,7 +41,8 @@ def weighed(arm: Arm, prepared: Sequence[PreparedLog], *, rules: Rules) -> list[
     constants[weights < rules.residual.torque_seen * weights.max()] = math.nan
     if not np.isfinite(constants).any():
         message = (
-            "is missing, and the arm's weights tell none: write `torque_constants: [14.9, ...]` (N m/A, one a joint)"
+            "is missing, and the arm's weights tell none: write `torque_constants: [14.9, ...]` "
+            f"(N m/{free[0].log.drive.unit}, one a joint)"
         )
         raise InputError(free[0].log.settings or free[0].log.file, "torque_constants", f"{message} in recording.yaml")
     return [
@@ -51,8 +54,8 @@ def weighed(arm: Arm, prepared: Sequence[PreparedLog], *, rules: Rules) -> list[
 
 
 def _constant(free: Sequence[PreparedLog], joint: int, rules: Rules) -> tuple[float, float]:
-    """N*m/A of a joint, by what weights make beyond friction, a drive's inertia and a constant (nan: not told), and
-    how much (N*m RMS) that is."""
+    """N*m/A (N*m/V) of a joint, by what weights make beyond friction, a drive's inertia and a constant (nan: not told),
+    and how much (N*m RMS) that is."""
     weights, current, motion_columns = (
         np.concatenate(item) for item in zip(*(_rows(item, joint) for item in free), strict=True)
     )
@@ -66,7 +69,8 @@ def _constant(free: Sequence[PreparedLog], joint: int, rules: Rules) -> tuple[fl
 
 
 def _rows(log: PreparedLog, joint: int) -> tuple[Array, Array, Array]:
-    """Torque by weights (M,), current (M,) and what a drive has of its own (M, 4), filtered, where the joint moves."""
+    """Torque by weights (M,), current or voltage (M,) and what a drive has of its own (M, 4), filtered, where the joint
+    moves."""
     use = log.moving[:, joint]
     parts = [np.zeros((0, 6))]
     for part, numbers, within in log.pieces():

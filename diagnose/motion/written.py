@@ -10,7 +10,7 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.temperature import ZERO_CELSIUS
 
-from .log import MotionLog
+from .log import DISTANCE, MotionLog
 
 _DIGITS = 7
 """Significant digits that are written: encoders and torque sensors have fewer."""
@@ -18,7 +18,8 @@ _DIGITS = 7
 
 def log_columns(log: MotionLog, arm: Arm) -> dict[str, Array]:
     """The columns of a log by the names that they are read by: `t_s`, `q1_rad`, `dq1_radps`, `tau1_Nm` ..., of slides
-    `q1_m`, `dq1_mps`, `tau1_N`; torques that nobody knows but for their constants are currents, `current1_A`."""
+    `q1_m`, `dq1_mps`, `tau1_N`; torques that nobody knows but for their constants are currents, `current1_A`, or
+    voltages, `voltage1_V`."""
     columns = {"t_s": log.time}
     joints = list(enumerate(arm.joints, start=1))
 
@@ -29,10 +30,10 @@ def log_columns(log: MotionLog, arm: Arm) -> dict[str, Array]:
 
     each("q", log.q, "rad", "m")
     each("dq", log.velocity, "radps", "mps")
-    if log.torque_constants_free:
-        each("current", log.torque, "A", "A")
-    else:
+    if not log.torque_constants_free:
         each("tau", log.torque, "Nm", "N")
+    elif log.drive is not DISTANCE:
+        each(log.drive.base, log.torque, log.drive.unit, log.drive.unit)
     each("c", log.commanded, "rad", "m")
     each("j", log.joint_side, "rad", "m")
     if log.temperature is not None:
@@ -61,6 +62,8 @@ def settings_text(log: MotionLog) -> str:
     lines = ["observes: motion"]
     if log.torque_constants_free:
         lines.append("torque_constants: free")
+    if log.torque_constants_free and log.drive is DISTANCE:
+        lines.append("servo: {gain: free}")
     if log.cutoff is not None:
         lines.append(f"filter: {{cutoff: {log.cutoff:g} Hz}}")
     if log.date:

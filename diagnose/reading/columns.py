@@ -16,7 +16,7 @@ from linkwright.core.diagnose.instruments.registry import INSTRUMENTS
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, kind_of, read_quantity
 
-_JOINT = re.compile(r"(dir|tau|temperature_link|current|dq|[qcjva])([0-9]{1,3})(?:_(.+))?")
+_JOINT = re.compile(r"(dir|tau|temperature_link|current|voltage|dq|[qcjva])([0-9]{1,3})(?:_(.+))?")
 _WHOLE = (
     r"(time|t(?=_(?:s|ms|us|ns)$)|payload|temperature|x|y|z|bar|basex|basey|basez|fx|fy|fz|rx|ry|rz|"
     r"qw|qx|qy|qz%s)(?:_(.+))?"
@@ -30,6 +30,7 @@ _TURNS = MappingProxyType(
         "a": "angular_acceleration",
         "tau": "torque",
         "current": "current",
+        "voltage": "voltage",
     }
 )
 _SLIDES = MappingProxyType(
@@ -41,6 +42,7 @@ _SLIDES = MappingProxyType(
         "a": "acceleration",
         "tau": "force",
         "current": "current",
+        "voltage": "voltage",
     }
 )
 _KINDS = MappingProxyType(
@@ -67,6 +69,7 @@ _SUFFIXES = MappingProxyType(
         "acceleration": ("mm_s2", "m_s2"),
         "torque": ("Nm",),
         "current": ("A",),
+        "voltage": ("V",),
     }
 )
 _ALSO = MappingProxyType({"dq": "v", "t": "time"})
@@ -179,9 +182,9 @@ def numbered_through(header: str, arm: Arm) -> str:
 
 def of_kind(header: str) -> str | None:
     """The kind of observation that a header is of, where only some recordings observe that (`along`, `distance`,
-    `tilt`, `bar`, of currents `motion`); else None."""
+    `tilt`, `bar`, of currents and voltages `motion`); else None."""
     parsed = _JOINT.fullmatch(header)
-    if parsed is not None and parsed[1] == "current":
+    if parsed is not None and parsed[1] in ("current", "voltage"):
         return "motion"
     parsed = _whole(header)
     observed = None if parsed is None else _observed().get(parsed[1])

@@ -37,7 +37,7 @@ _TIP = ("x", "y", "z", "along", "distance", "bar", "tilt")
 _HEAD = 400
 """Rows of a text that tell what it is."""
 _OF_A_LOG = ("time", "temperature", "payload")
-_OF_JOINTS = ("q", "v", "a", "tau", "current", "c", "j", "dir", "temperature_link")
+_OF_JOINTS = ("q", "v", "a", "tau", "current", "voltage", "c", "j", "dir", "temperature_link")
 
 
 def read_log(path: Path | str, arm: Arm, settings: Path | str | None = None, *, rules: Rules = RULES) -> MotionLog:
@@ -67,8 +67,8 @@ def table_of_log(path: Path | str, settings: Path | str | None = None) -> tuple[
 
 
 def is_motion_log(path: Path | str, arm: Arm, settings: Path | str | None = None) -> bool:
-    """Whether a file is a motion log: its settings say `observes: motion`, or it has a clock, torques or currents, and
-    nothing of the tip. Raises `InputError` where it cannot be read."""
+    """Whether a file is a motion log: its settings say `observes: motion`, or it has a clock, torques, currents or
+    voltages, and nothing of the tip. Raises `InputError` where it cannot be read."""
     path = Path(path)
     held = read_settings(find_settings(path) if settings is None else Path(settings))
     if held.motion is not None or any(kind != "position" for kind in held.kinds):
@@ -77,13 +77,13 @@ def is_motion_log(path: Path | str, arm: Arm, settings: Path | str | None = None
 
 
 def holds_motion(table: Table, arm: Arm, held: ReadingSettings) -> bool:
-    """Whether a table has a clock, torques or currents, and nothing of the tip; see `is_motion_log`."""
+    """Whether a table has a clock, torques, currents or voltages, and nothing of the tip; see `is_motion_log`."""
     if held.motion is not None or any(kind != "position" for kind in held.kinds):
         return held.motion is not None
     named = {item.what for item in proposed(table, arm) if item.header not in held.ignore}
     named |= {canonical(header).partition("_")[0] for header in held.columns}
     named |= {of_kind(header) or "" for header in table.names}
-    drives = any(re.fullmatch(r"(?:tau|current)[0-9]+", name) for name in named)
+    drives = any(re.fullmatch(r"(?:tau|current|voltage)[0-9]+", name) for name in named)
     return drives and "time" in named and not named & set(_TIP)
 
 
@@ -199,6 +199,10 @@ def _assembled(
     def one(name: str) -> Array | None:
         return columns[name].values if name in columns else None
 
+    payload = one("payload")
+    if payload is not None and np.nanmin(payload) < 0.0:
+        warnings.append(f"{columns['payload'].header}: not used as a payload, for no payload is less than nothing.")
+        payload = None
     velocity = each_joint("v", "speeds")
     if velocity is None:
         warnings.append("There are no speeds: they are differences of the joint coordinates.")
@@ -225,9 +229,10 @@ def _assembled(
         commanded=each_joint("c", "commands"),
         joint_side=each_joint("j", "second encoders"),
         temperature=one("temperature"),
-        payload_mass=one("payload"),
-        from_current=drives.from_current,
+        payload_mass=payload,
+        drive=drives.signal,
         torque_constants_free=drives.free,
+        loop=drives.loop,
         sigma=sigma,
         cutoff=motion.cutoff,
         warnings=tuple(warnings),

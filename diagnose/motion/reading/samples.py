@@ -141,8 +141,10 @@ def _one_a_stamp(log: MotionLog, name: str, rules: Rules) -> MotionLog:
 def _without_spikes(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> MotionLog:
     """Single samples that no motion makes: angles that jump there and back, spikes of torque."""
     reasons: dict[int, str] = {}
-    base = "current" if log.from_current else "tau"
-    for values, share, of in ((log.q, rules.log.spike_of_angle, "q"), (log.torque, rules.log.spike_of_torque, base)):
+    for values, share, of in (
+        (log.q, rules.log.spike_of_angle, "q"),
+        (log.torque, rules.log.spike_of_torque, log.drive.base),
+    ):
         for k in range(arm.size):
             name = headers.get(f"{of}{k + 1}", f"{of}{k + 1}")
             for index in np.flatnonzero(_spikes(values[:, k], share, rules)).tolist():

@@ -29,7 +29,7 @@ IGNORED = "ignored"
 _WHOLE = ("x", "y", "z", "payload", "temperature", "time", "fx", "fy", "fz", "qw", "qx", "qy", "qz")
 _PLACES = ("x", "y", "z")
 _BARE = ("dir", "qw", "qx", "qy", "qz")
-_OF_JOINTS = ("q", "dir", "tau", "current", "v", "c", "j")
+_OF_JOINTS = ("q", "dir", "tau", "current", "voltage", "v", "c", "j")
 _PLACE = re.compile(
     r"^(?:tcp|tip|tool|ee|end[\s_-]?effector|pos(?:ition)?|meas(?:ured)?|tracker|laser|point|p)?[\s_.-]*([xyz])$"
 )
@@ -143,8 +143,11 @@ def _none_twice(meanings: Sequence[Meaning]) -> tuple[Meaning, ...]:
             firsts.setdefault(item.what, item)
     once = [item if not item.named or firsts[item.what] is item else Meaning(item.header, OTHER) for item in meanings]
     if any(item.what in _PLACES for item in once):
-        # Currents are of motion logs alone.
-        once = [replace(item, what=OTHER, unit="") if item.what.startswith("current") else item for item in once]
+        # Currents and voltages are of motion logs alone.
+        once = [
+            replace(item, what=OTHER, unit="") if item.what.startswith(("current", "voltage")) else item
+            for item in once
+        ]
     if not any(re.fullmatch(r"q[0-9]+", item.what) for item in once):
         # Encoders on the joints themselves (J1) are what a file without others tells the coordinates by.
         once = [replace(item, what=re.sub(r"^j(?=[0-9])", "q", item.what)) for item in once]
@@ -152,9 +155,9 @@ def _none_twice(meanings: Sequence[Meaning]) -> tuple[Meaning, ...]:
 
 
 def is_motion(meanings: Sequence[Meaning]) -> bool:
-    """Whether columns are those of a motion log: a clock, torques or currents, and nothing of the tip."""
+    """Whether columns are those of a motion log: a clock, torques, currents or voltages, and nothing of the tip."""
     named = {meaning.what for meaning in meanings}
-    drives = any(re.fullmatch(r"(?:tau|current)[0-9]+", item) for item in named)
+    drives = any(re.fullmatch(r"(?:tau|current|voltage)[0-9]+", item) for item in named)
     return drives and "time" in named and not named & set(_PLACES)
 
 

@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
-from linkwright.core.diagnose.motion.log import MotionLog
+from linkwright.core.diagnose.motion.log import TORQUE, MotionLog
 from linkwright.core.diagnose.motion.reading.read import holds_motion, is_motion_log, logs_from, table_of_log
 from linkwright.core.diagnose.motion.written import log_columns
 from linkwright.core.diagnose.reading.files import table_of
@@ -44,7 +44,7 @@ class Log(Readings):
         log = self.found
         name = PurePath(log.file).name or "made by a model"
         seconds = float(log.time[-1] - log.time[0]) if log.size else 0.0
-        what = f"{'currents' if log.torque_constants_free else 'torques'} of {log.q.shape[1]} joints"
+        what = f"{(log.drive if log.torque_constants_free else TORQUE).words} of {log.q.shape[1]} joints"
         return f"{name}, {log.size} samples in {figure(seconds, 3)} s{self._aside()}, {what}"
 
 

@@ -99,8 +99,13 @@ class MotionPrediction(Result):
 
 
 def predicted_motion(arm: Arm, log: Log) -> MotionPrediction:
-    """What an arm's model leaves of a motion log. Raises `InputError` for currents without torque constants."""
+    """What an arm's model leaves of a motion log. Raises `InputError` for currents and voltages without torque
+    constants."""
     if log.found.torque_constants_free:
-        message = "is missing; currents are torques by it, N m/A: `torque_constants: [14.9, ...]` in recording.yaml"
+        drive = log.found.drive
+        message = (
+            f"is missing; {drive.words} are torques by it, N m/{drive.unit}: `torque_constants: [14.9, ...]` in "
+            "recording.yaml"
+        )
         raise InputError(log.found.settings or log.found.file, "torque_constants", message)
     return MotionPrediction(arm, log, predict_motion(arm.model, log.found))

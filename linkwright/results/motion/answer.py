@@ -102,7 +102,8 @@ def to_do(diagnosis: MotionDiagnosis) -> tuple[str, ...]:
     lines: list[str] = []
     if any(log.torque_constants_free for log in diagnosis.logs):
         lines.append(
-            "Write the torque constants into recording.yaml (`torque_constants: [14.9, ...]`, N m/A), diagnose again."
+            "Write the torque constants into recording.yaml (`torque_constants: [14.9, ...]`, "
+            f"N m/{next(log.drive.unit for log in diagnosis.logs if log.torque_constants_free)}), diagnose again."
         )
     if diagnosis.unknown is not None and diagnosis.unknown.decide:
         lines.append(f"To find the cause, {diagnosis.unknown.decide}.")

@@ -6,6 +6,7 @@ import math
 from collections.abc import Sequence
 from pathlib import PurePath
 
+from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding, MotionUnknown, OfJoint
 from linkwright.core.diagnose.motion.sentences import since_words
 from linkwright.core.units.lists import listed
@@ -97,10 +98,20 @@ def _currents(diagnosis: MotionDiagnosis) -> Paragraph | None:
     weighed = list(enumerate(free[0].weighed or (), start=1))
     values = [f"{value:.3g} at joint {joint}" for joint, value in weighed if not math.isnan(value)]
     lacking = [str(joint) for joint, value in weighed if math.isnan(value)]
-    by = f": the arm's weights make them {listed(values)} (N·m/A), as wrong as its masses are" if values else ""
+    unit = f"N·m/{free[0].drive.unit}"
+    by = f": the arm's weights make them {listed(values)} ({unit}), as wrong as its masses are" if values else ""
     those = "that of joint" if len(lacking) == 1 else "those of joints"
     without = f"; no weight tells {those} {listed(lacking)}, whose drives count as not logged" if lacking else ""
-    return Paragraph(f"{sentence}{by}{without}.", "warning")
+    return Paragraph(f"{sentence}{by}{without}.{_loops(free[0])}", "warning")
+
+
+def _loops(log: MotionLog) -> str:
+    """How stiff servos hold by their loops; else empty."""
+    loops = zip(log.loop or (), log.weighed or (), strict=False)
+    held = [
+        f"{volts * constant:.3g} at joint {k}" for k, (volts, constant) in enumerate(loops, start=1) if constant > 0
+    ]
+    return f" By them servos hold with {listed(held)} (N·m/rad)." if held else ""
 
 
 def brief(diagnosis: MotionDiagnosis) -> str:

@@ -11,7 +11,7 @@ import pytest
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.arm.effects.effect import EffectEntry
 from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
-from linkwright.core.diagnose.motion.log import MotionLog
+from linkwright.core.diagnose.motion.log import CURRENT, MotionLog
 from linkwright.core.diagnose.motion.preparation import prepare
 from linkwright.core.diagnose.motion.simulate import simulate_motion
 from linkwright.core.diagnose.motion.weighed import weighed
@@ -40,13 +40,13 @@ def currents(of: Arm, constants, seed: int) -> MotionLog:
     """A log whose drives rub, in A."""
     rubs = [EffectEntry("friction_coulomb", (k + 1,), {"torque": 5.0}) for k in range(of.size)]
     log = simulate_motion(of, effects=rubs, noise=0.1, seed=seed)
-    return replace(log, torque=log.torque / constants, from_current=True, torque_constants_free=True)
+    return replace(log, torque=log.torque / constants, drive=CURRENT, torque_constants_free=True)
 
 
 def test_a_diagnosis_of_currents_is_in_newton_metres():
     """Friction has its size, and nothing is said of weights and constants, which agree."""
     log = simulate_motion(arm(), effects=RUBBING, noise=0.05, seed=4)
-    free = replace(log, torque=log.torque / CONSTANTS, from_current=True, torque_constants_free=True)
+    free = replace(log, torque=log.torque / CONSTANTS, drive=CURRENT, torque_constants_free=True)
     result = diagnose_motion(arm(), [free])
     assert result.logs[0].weighed == pytest.approx(CONSTANTS, rel=0.03)
     assert result.logs[0].torque == pytest.approx(log.torque * result.logs[0].weighed / CONSTANTS)

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
+from linkwright.core.diagnose.motion.log import CURRENT
 from linkwright.core.diagnose.motion.reading.read import is_motion_log, read_log
 from linkwright.core.units.quantities import InputError
 
@@ -78,7 +79,7 @@ def test_currents_with_known_and_with_free_constants(tmp_path):
     named |= {f"current{k}_A": columns[f"tau{k}_Nm"] / constants[k] for k in constants}
     path = written(tmp_path, named, "observes: motion\ntorque_constants: [14.9, 11 N*m/A]\n")
     log = read_log(path, two_joints())
-    assert log.from_current
+    assert log.drive is CURRENT
     assert not log.torque_constants_free
     assert log.torque[:, 0] == pytest.approx(columns["tau1_Nm"], rel=1e-6)
     for settings in ("observes: motion\n", "torque_constants: free\n"):

@@ -11,7 +11,7 @@ import pytest
 from mcap.writer import CompressionType
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
-from linkwright.core.diagnose.motion.log import MotionLog
+from linkwright.core.diagnose.motion.log import CURRENT, MotionLog
 from linkwright.core.diagnose.motion.reading.read import is_motion_log, logs_from, read_log
 from linkwright.core.diagnose.reading.files import table_of
 from linkwright.core.diagnose.reading.settings import ReadingSettings
@@ -252,7 +252,7 @@ EXPORTS = {
 def test_exports(tmp_path, name):
     log = from_text(tmp_path, EXPORTS[name])
     is_the_motion(log)
-    assert log.from_current == (name in ("ur", "ur_msgs", "kuka"))
+    assert (log.drive is CURRENT) == (name in ("ur", "ur_msgs", "kuka"))
     assert any("taken for ours" in warning for warning in log.warnings)
 
 
