@@ -3,9 +3,10 @@
 Without a machine it prints the table: of each machine and recording (tips, mm) or joint (torques, N*m) what the given
 file, the textbook's least squares and the written file leave of what neither was fitted to (`table` with names after
 it: of these alone; some twenty CPU minutes in all). With machines (motoman, ur10, servo, printer, irb120, iiwa7,
-together) it prints what the tool says of each and how well that predicts what was not fitted; together is of several
-recordings of one machine. `--inside` adds cross-validation with the diagnosis inside the folds (minutes); `--out` keeps
-the servo's telemetry with its pulls and the iiwa 7's runs as one table; `--json` the table's figures.
+together, xl330) it prints what the tool says of each and how well that predicts what was not fitted;
+together is of several recordings of one machine. `--inside` adds cross-validation with the diagnosis inside the folds
+(minutes); `--out` keeps the servo's telemetry with its pulls and the iiwa 7's runs as one table; `--json` the
+table's figures.
 """
 
 from __future__ import annotations
@@ -19,10 +20,11 @@ from pathlib import Path
 
 from benchmarks.real import iiwa7, irb120, motoman, printer, servo, together, ur10
 from benchmarks.real.data import NoDataError
+from benchmarks.real.public import xl330
 from benchmarks.real.table import tips, torques
 from benchmarks.real.table.row import Row, header, shown, summary
 
-_MACHINES = ("motoman", "ur10", "servo", "printer", "irb120", "iiwa7", "together")
+_MACHINES = ("motoman", "ur10", "servo", "printer", "irb120", "iiwa7", "together", "xl330")
 
 
 def table(names: Sequence[str], out: Path | None, tell: Callable[[str], None] = print) -> list[Row]:
@@ -91,6 +93,8 @@ def main() -> int:
             print()
         if "together" in machines:
             together.evaluate()
+        if "xl330" in machines:
+            xl330.evaluate()
     except NoDataError as error:
         print(error, file=sys.stderr)
         return 1

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import json
 import subprocess
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -21,6 +22,10 @@ from benchmarks.real.textbook.chain import from_urdf
 Array = NDArray[np.float64]
 LWR_DATA = "e6c077ea5c09bceb49840f49e83450bb5979029b"
 """The commit of kjyv/FloBaRoID before its logs became pointers to a file store."""
+XL330_DATA = "af2260462471ff45ac18af159b1327ea51d8db15"
+"""The commit of Rhoban/bam (branch xl330) that has logs and the parameters which its authors found by them."""
+XL330_COUNTS = 885.0
+"""Of the PWM, all of the supply."""
 TX40_RATIOS = (32.0, 32.0, 45.0, -48.0, 45.0, 32.0)
 """Gears of the TX40, motor over joint (TX40_config.yaml)."""
 TX40_STEP = 2e-4
@@ -199,6 +204,39 @@ def _panda(clone: Path, folder: Path) -> None:
     _said(folder, {"observes": "motion", "filter": {"cutoff": "8 Hz"}})
 
 
+def _xl330(clone: Path, folder: Path) -> None:
+    """Sixteen motions of a pendulum on a Dynamixel XL330 at 190 Hz by four gains: angle, goal, PWM and supply, here as
+    voltages, while the torque was on. Beside them what the authors of BAM found, of these logs and in all."""
+    name = "bam/data.bak/raw/2026-01-15_10h{}.json"
+    stamps = "28m10 28m17 28m24 28m32 28m42 28m49 28m57 29m04 29m14 29m21 29m29 29m37 29m47 29m54 30m02 30m10"
+    logs = [json.loads(_held(clone, name.format(stamp), XL330_DATA)) for stamp in stamps.split()]
+    for log in logs:
+        rows = pd.DataFrame(log["entries"])
+        rows = rows[rows["torque_enable"].astype(bool)]
+        counts = rows["load"].astype(np.int64).astype(np.uint16).astype(np.int16)  # two bytes with a sign, read without
+        columns = {
+            "t_s": rows["timestamp"],
+            "q1_rad": rows["position"],
+            "dq1_radps": rows["speed"],
+            "c1_rad": rows["goal_position"],
+            "voltage1_V": counts / XL330_COUNTS * rows["input_volts"],
+        }
+        path = folder / f"{log['trajectory']}_{log['kp']}.csv"
+        pd.DataFrame(columns).to_csv(path, index=False, float_format="%.7g")
+    mass, length = logs[0]["mass"], f"{1e3 * logs[0]['length']:g} mm"
+    link = {"length": length, "rigid": True, "mass": f"{mass} kg", "center_of_mass": length}
+    arm = {
+        "name": "pendulum on an XL330",
+        "gravity": ["0 m/s^2", "-9.81 m/s^2", "0 m/s^2"],
+        "chain": [{"joint": {"type": "revolute", "zero": "-90 deg"}, "link": link}],
+    }
+    (folder / "arm.yaml").write_text(yaml.safe_dump(arm, sort_keys=False), encoding="utf-8")
+    published = {f"M{k}": json.loads(_held(clone, f"bam/params/xl330/m{k}.json")) for k in range(1, 7)}
+    published["M1 of these logs"] = json.loads(_held(clone, "params/xl330/m1.json", XL330_DATA))
+    (folder / "published.json").write_text(json.dumps(published, indent=1), encoding="utf-8")
+    _said(folder, {"observes": "motion", "torque_constants": "free"})
+
+
 SOURCES: Mapping[str, Source] = MappingProxyType(
     {
         "fanuc": Source("RABKKK/LaserTrackerPoseData4KinIdent", "none stated", _fanuc),
@@ -207,6 +245,7 @@ SOURCES: Mapping[str, Source] = MappingProxyType(
         "airbot": Source("liuyurong129/figaroh_kinova", "Apache-2.0", _airbot),
         "lwr4": Source("kjyv/FloBaRoID", "LGPL-3.0", _lwr4),
         "ur10e": Source("shamilmamedov/dynamic_calibration", "none stated", _ur10e),
+        "xl330": Source("Rhoban/bam", "Apache-2.0", _xl330),
         "panda": Source("marcocognetti/FrankaEmikaPandaDynModel", "GPL-3.0", _panda),
     }
 )
