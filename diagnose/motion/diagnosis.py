@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.effect import Effect
 from linkwright.core.arm.motion.rigid import link_parameters
 from linkwright.core.diagnose.judge.contradictions import contradictions
@@ -29,7 +28,7 @@ from .events.found import next_event, set_aside
 from .findings import finding_of, findings
 from .judged import Judged, as_written, judged, rms_together
 from .log import MotionLog
-from .model.candidates import Candidates, candidates, scanned, with_variants
+from .model.candidates import Candidates, acting, candidates, scanned, with_variants
 from .model.identify import Identified, identify
 from .model.intervals import Estimates, estimates
 from .model.noise import noise
@@ -191,14 +190,8 @@ def _ripples(
 
 def _effects(options: Options, logs: Sequence[MotionLog]) -> list[Effect]:
     """The effects that such logs may show."""
-    voltages = all(log.drive.of_voltage for log in logs)
-    return [
-        effect
-        for effect in (EFFECTS[name] for name in EFFECTS)
-        if effect.torques is not None
-        and effect.id not in options.without
-        and (voltages or not effect.recording.of_voltage)
-    ]
+    every = acting(voltages=all(log.drive.of_voltage for log in logs))
+    return [effect for effect in every if effect.id not in options.without]
 
 
 def _all_prepared(arm: Arm, logs: Sequence[MotionLog], rules: Rules) -> tuple[Sequence[MotionLog], list[PreparedLog]]:

@@ -55,7 +55,7 @@ def diagnose(
 ) -> "Diagnosis | MotionDiagnosis":
     """What the model of an arm leaves out, by recordings of the real one: where, what, how sure, and what to do.
 
-    A motion log (a clock, joint coordinates, torques or currents) says what is missing in the torques of the drives.
+    A motion log (a clock, joint coordinates, torques, currents or voltages) says what the drives' torques lack.
 
     Example: linkwright diagnose arm.yaml recording.csv --out result
     Example: linkwright diagnose robot.urdf log.csv --out result

@@ -244,6 +244,12 @@ def _acting(
     return replace(whole, sizes=sizes, by_load=by_load, joints=tuple(sorted(first)), usual=usual)
 
 
+def acting(*, voltages: bool) -> list[Effect]:
+    """The effects that act on torques; with `voltages` what only a log of these shows, too."""
+    every = (EFFECTS[name] for name in EFFECTS)
+    return [each for each in every if each.torques is not None and (voltages or not each.recording.of_voltage)]
+
+
 def scanned(effects: Sequence[Effect]) -> list[tuple[Effect, tuple[float, ...]]]:
     """Effects of one shape with too many values to be candidates all, with those values."""
     return [

@@ -1,1 +1,1 @@
-"""Motion logs read: columns, clock, torques and currents, and whether they are of this arm."""
+"""Motion logs read: columns, clock, torques, currents and voltages, and whether they are of this arm."""

@@ -13,7 +13,7 @@ from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.rigid import inverse_dynamics, link_parameters, regressor
 from linkwright.core.diagnose.motion.log import MotionLog
-from linkwright.core.diagnose.motion.model.candidates import Candidates, Group, candidates
+from linkwright.core.diagnose.motion.model.candidates import Candidates, Group, acting, candidates
 from linkwright.core.diagnose.motion.model.noise import covariance
 from linkwright.core.diagnose.motion.preparation import prepare
 from linkwright.core.diagnose.rules.rules import RULES
@@ -62,7 +62,8 @@ class Patterns:
     @classmethod
     def of(cls, arm: Arm, wanted: Sequence[Place], motion: Motion, sigma: Array | None = None) -> Patterns:
         """What is asked for (nothing: all that acts on torques), on this arm."""
-        effects = [effect for effect in (EFFECTS[name] for name in EFFECTS) if effect.torques is not None]
+        named = {effect for effect, _ in wanted}
+        effects = acting(voltages=any(EFFECTS[each].recording.of_voltage for each in EFFECTS if each in named))
         pool = candidates(arm, effects, motion, link_parameters(arm), _CLOCK, rules=RULES)
         single = {place_of(item): k for k, item in reversed(list(enumerate(pool.groups))) if len(item.at) < 2}
         asked, unseen = set[int](), list[Place]()

@@ -293,7 +293,7 @@ _COLUMNS = "What its columns are"
 _NO_ARM = "choose an arm file first; the Arm page can put an example into the folder"
 _KINDS = (
     ("Measured tips", "Joint angles, and where a tracker or a dial gauge saw the tip."),
-    ("A motion log", "Time, joint angles and torques or currents, as a controller logs them."),
+    ("A motion log", "Time, joint angles and torques, currents or voltages, as a controller logs them."),
 )
 
 
