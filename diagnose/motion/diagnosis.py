@@ -93,7 +93,10 @@ def diagnosed(
     rules = request.rules
     tell("preparing logs", 0.0)
     logs, prepared = _all_prepared(arm, logs, rules)
-    if sum(item.moving.sum(axis=0) * _spacing(item) for item in prepared).max() < rules.motion.least_moving:
+    if (
+        np.sum([item.moving.sum(axis=0) * _spacing(item) for item in prepared], axis=0).max()
+        < rules.motion.least_moving
+    ):
         return _too_little(arm, logs, prepared, begun), None
     masses = link_parameters(arm)
     effects = _effects(request, logs)
