@@ -158,7 +158,8 @@ def settled(logs: Logs, number: int, fit: SteppedFit, *, rules: Rules) -> Settle
 
 def sized(step: Step, rows: LogRows, *, rules: Rules) -> tuple[FittedParameter, ...]:
     """The parameters of a step that the logs show, with their intervals."""
-    scatter = np.sqrt(np.diagonal(step.covariance))
+    variance = np.diagonal(step.covariance)
+    scatter = np.sqrt(np.where(variance > 0.0, variance, np.inf))  # rounding, where rows tell nothing of a number
     half, shown = SURE * np.stack((scatter, scatter)), scatter < rules.motion.shown * step.group.usual
     return parameters_of(step.group, rows.prepared.motion.arm, step.numbers, half, shown)
 
@@ -192,6 +193,6 @@ def _span(rows: LogRows, fit: SteppedFit) -> tuple[int, int, Array]:
     before, after = (_squares(rows, sizes, fit.weights) for sizes in _sizes(fit))
     gained = np.concatenate(([0.0], 0.5 * np.cumsum(before - after)))
     stop = int(np.argmax(gained - np.minimum.accumulate(gained)))
-    if gained[-1] >= gained[stop] - LIKELY:
-        stop = len(before)
+    if stop == 0 or gained[-1] >= gained[stop] - LIKELY:
+        stop = len(before)  # so does one that gains nowhere, which explains nothing
     return int(np.argmin(gained[:stop])), stop, gained

@@ -8,6 +8,7 @@ the lever is known, and tells k_t/R.
 from __future__ import annotations
 
 import functools
+from dataclasses import replace
 
 import mujoco
 import numpy as np
@@ -19,7 +20,10 @@ from linkwright.core.arm.effects.effect import EffectEntry
 from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
 from linkwright.core.diagnose.motion.log import DISTANCE, VOLTAGE
 from linkwright.core.diagnose.motion.predict import predict_motion
+from linkwright.core.diagnose.motion.preparation import prepare
 from linkwright.core.diagnose.motion.reading.read import is_motion_log, read_log
+from linkwright.core.diagnose.motion.weighed import weighed
+from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.units.quantities import InputError
 
 PENDULUM = """<mujoco model="pendulum"><compiler angle="radian"/><option gravity="0 0 -9.81" timestep="0.0005"/>
@@ -127,6 +131,21 @@ def test_droop_tells_a_loop_of_unknown_gain(tmp_path):
         (goal - angle)[np.isin(np.round(time, 6), np.round(log.time, 6))], abs=1e-5
     )
     assert any("torque_constants" in line and "N*m/rad" in line for line in log.warnings)
+    (held,) = weighed(arm, [prepare(arm, log, rules=RULES)], rules=RULES)
+    assert held.weighed == pytest.approx([KT / R * GAIN * SUPPLY], rel=0.05)
+
+
+def test_short_logs_suffice_together(tmp_path):
+    """A bus is read for seconds at a time: of none of these logs alone could anything be said."""
+    path, arm = written(tmp_path, "log", 3, f"torque_constants: [{KT / R} N*m/V]", voltages=True)
+    log = read_log(path, arm)
+    parts = [(log.time >= begin) & (log.time < begin + 3.0) for begin in range(1, 25, 3)]
+    logs = [
+        replace(log, time=log.time[part], q=log.q[part], torque=log.torque[part], row=log.row[part]) for part in parts
+    ]
+    assert diagnose_motion(arm, logs[:1]).verdict == "insufficient_data"
+    together = diagnose_motion(arm, logs)
+    assert "friction_coulomb" in {item.effect for item in together.findings}
 
 
 def test_a_limited_loop_gives_its_limit(tmp_path):
