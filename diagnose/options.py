@@ -18,9 +18,11 @@ def silent(_text: str, _share: float) -> None:
 @dataclass(frozen=True)
 class Options:
     """`thorough` makes every test with more draws; `without` takes effects out of the candidates; `seed` fixes all
-    random draws; `rules` are the thresholds that everything is judged by."""
+    random draws; `rules` are the thresholds that everything is judged by. With `rollout`, motion logs are simulated
+    too."""
 
     thorough: bool = False
     without: frozenset[str] = frozenset()
     seed: int = 1
     rules: Rules = RULES
+    rollout: bool = False

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import xml.etree.ElementTree as ElementTree
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from types import MappingProxyType
 from typing import Any
 from xml.etree.ElementTree import Element, SubElement
@@ -29,6 +29,8 @@ DAMPING_TIME = 1e-3
 """s; springs and drives are damped by their stiffness times this, which is 6 % of critical at 20 Hz."""
 HELD = 1e-9
 """rad or m; a rigid drive gives no more than this under the arm's whole weight at its whole reach."""
+_HARD: Mapping[str, str] = MappingProxyType({"solreffriction": "0.004 1", "solimpfriction": "0.9999 0.9999 0.001"})
+"""How hard MuJoCo's dry friction is, as near to Coulomb's as steps of a millisecond hold; by default it creeps."""
 _LEAST_MASS, _LEAST_INERTIA = 1e-9, 1e-12
 _ROUNDING = 1e-9
 _DOWN: FloatVector = (0.0, 0.0, -9.81)
@@ -233,6 +235,28 @@ def _inertial(link: Element, mass: Mass | None) -> None:
 
 def _mjcf(arm: Arm) -> Exported:
     pieces = structure(arm, springs=True)
+    root = _mujoco_tree(pieces)
+    _mujoco_actuators(root, pieces)
+    carried, assumed = _mujoco_words(pieces)
+    lines = tuple(f"Carried: {item}" for item in carried)
+    lost = (*pieces.lost, *_greatest_words(pieces.arm))
+    text = _written(root, pieces.arm, lines, lost, assumed)
+    return Exported(pieces.arm, "mjcf", text, carried, lost, assumed)
+
+
+def under_torques(arm: Arm) -> str:
+    """An arm as MJCF of rigid links without servos, for torques that act at its joints; these are named after their
+    numbers, from 1. Its dry friction is as hard as MuJoCo makes it. Raises what `structure` raises."""
+    pieces = structure(arm, springs=False)
+    names = replace(pieces.names, joints=tuple(str(number + 1) for number in range(arm.size)))
+    root = _mujoco_tree(replace(pieces, names=names))
+    default = SubElement(root, "default")
+    SubElement(default, "joint", dict(_HARD))
+    return ElementTree.tostring(root, encoding="unicode")
+
+
+def _mujoco_tree(pieces: Structure) -> Element:
+    """The bodies of an arm in pieces, and what MuJoCo has to know beside."""
     arm, names = pieces.arm, pieces.names
     root = Element("mujoco", {"model": _name(arm)})
     compiler = {"angle": "radian", "boundmass": f"{_LEAST_MASS:g}", "boundinertia": f"{_LEAST_INERTIA:g}"}
@@ -252,12 +276,7 @@ def _mjcf(arm: Arm) -> Exported:
         if end.payload:
             _mujoco_inertial(tip, ball(end.payload, ZERO))
         SubElement(tip, "site", {"name": end.name})
-    _mujoco_actuators(root, pieces)
-    carried, assumed = _mujoco_words(pieces)
-    lines = tuple(f"Carried: {item}" for item in carried)
-    lost = (*pieces.lost, *_greatest_words(arm))
-    text = _written(root, arm, lines, lost, assumed)
-    return Exported(arm, "mjcf", text, carried, lost, assumed)
+    return root
 
 
 def _mujoco_joint(body: Element, arm: Arm, index: int, name: str) -> None:

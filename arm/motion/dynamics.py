@@ -54,18 +54,33 @@ class Stages:
     logged: Array
 
 
-def torque_stages(motion: Motion) -> Stages:
-    """The torques of `model_torque` with what they are made of."""
-    arm = motion.arm
+@dataclass(frozen=True)
+class Acting:
+    """The entries of effects that act on a moving arm, by the stage at which they do: on what the drives pass on
+    (`loads`), in the `drives`, and in the `instrument` that logs them."""
+
+    loads: tuple[EffectEntry, ...]
+    drives: tuple[EffectEntry, ...]
+    instrument: tuple[EffectEntry, ...]
+
+
+def acting(arm: Arm) -> Acting:
+    """The entries that act on an arm in motion: those of its `effects`, and what its file has anyway."""
     given = (e.id for e in EFFECTS.values() if e.automatic and e.torques is not None and e.id not in arm.leave_out)
     entries = [*(EffectEntry(effect) for effect in given), *arm.effects]
     instrument = [entry for entry in entries if EFFECTS[entry.effect].recording.of_instrument]
     others = [entry for entry in entries if entry not in instrument]
     loads = [entry for entry in others if EFFECTS[entry.effect].place != "joint"]
+    return Acting(tuple(loads), tuple(entry for entry in others if entry not in loads), tuple(instrument))
+
+
+def torque_stages(motion: Motion) -> Stages:
+    """The torques of `model_torque` with what they are made of."""
+    entries = acting(motion.arm)
     rigid = inverse_dynamics(motion)
-    load = rigid + torque_of(replace(motion, torque=rigid), loads)
-    drive = load + torque_of(replace(motion, torque=load), [entry for entry in others if entry not in loads])
-    return Stages(load, drive, drive + torque_of(replace(motion, torque=drive), instrument))
+    load = rigid + torque_of(replace(motion, torque=rigid), entries.loads)
+    drive = load + torque_of(replace(motion, torque=load), entries.drives)
+    return Stages(load, drive, drive + torque_of(replace(motion, torque=drive), entries.instrument))
 
 
 def torque_of(motion: Motion, entries: Sequence[EffectEntry]) -> Array:

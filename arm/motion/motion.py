@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any, TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.sections.numeric import Array
@@ -52,6 +53,25 @@ class Motion:
     def size(self) -> int:
         """The number of instants, N."""
         return len(self.time)
+
+    def at(self, rows: slice | NDArray[np.int64]) -> Motion:
+        """The motion at some of its instants."""
+
+        def cut(values: Array | None) -> Array | None:
+            return None if values is None else values[rows]
+
+        return replace(
+            self,
+            time=self.time[rows],
+            q=self.q[rows],
+            velocity=self.velocity[rows],
+            acceleration=self.acceleration[rows],
+            torque=cut(self.torque),
+            commanded=cut(self.commanded),
+            joint_side=cut(self.joint_side),
+            payload_mass=cut(self.payload_mass),
+            temperature=cut(self.temperature),
+        )
 
     def once(self, name: str, make: Callable[[], _Made]) -> _Made:
         """What an effect makes of this motion, by a name: made once for all its sizes and shapes."""

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -37,6 +37,7 @@ from .model.ripple import Ripple, ripples
 from .model.rows import LogRows, joint_rows, log_rows, with_sources
 from .preparation import PreparedLog, prepare
 from .result import Event, MotionDiagnosis, OfJoint
+from .rollout.rollout import rollout
 from .sentences import answer, event_words, verdict_of
 from .unknown import Structure, since, structure, unknown_of, variables
 from .uses.traces import traces_of
@@ -140,7 +141,12 @@ def diagnosed(
     judge = judged(arm, identified, sizes.numbers, [entry_of(effect, item) for effect, item in swift], rules=rules)
     sizes = as_written(sizes, identified, judge.named)
     rests_on = RestsOn(identified, sizes, different)
-    return _result(arm, logs, given, rests_on, judge, seen, swift, events, rules, begun), rests_on
+    result = _result(arm, logs, given, rests_on, judge, seen, swift, events, rules, begun)
+    if request.rollout:
+        tell("simulating the logs", 0.97)
+        rolled = rollout(arm, judge.written, identified.pool, given, identified.folds, rules=rules)
+        result = replace(result, rollout=rolled, seconds=time.perf_counter() - begun)
+    return result, rests_on
 
 
 def _with_curves(

@@ -42,7 +42,7 @@ class Filed:
     """A set of causes as a file holds them: `numbers` (k,) of all `members` in SI, `sizes` (W,) of the model's columns,
     the `arm` with its entries. `rows` are linearised about it; `left` and `held_out` (B, n) are sums of squares that
     it leaves where `predict` counts, and that fits to the other folds leave. `held` makes such fits. `beside` are both
-    where entries of one log alone stand beside it in that log."""
+    where entries of one log alone stand beside it in that log. `more` are entries of the arm that are no members'."""
 
     members: tuple[Member, ...]
     numbers: Array
@@ -53,6 +53,18 @@ class Filed:
     held_out: Array
     held: HeldOut
     beside: tuple[Array, Array]
+    more: tuple[EffectEntry, ...] = ()
+
+    def of_folds(self, arm: Arm, pool: Candidates) -> tuple[Arm, ...]:
+        """The arm as it would be written by fits to all but one fold, for each in turn; as it is where none is fitted.
+        `arm` is the one as given."""
+        if not self.members:
+            return tuple(self.arm for _ in self.held.systems)
+        groups = [pool.groups[member.group] for member in self.members]
+        usual = np.concatenate([group.usual for group in groups])
+        alone = [Member(number, member.scale) for number, member in enumerate(self.members)]
+        fits = (feasible(item, alone).numbers * usual for item in self.held.systems)
+        return tuple(completed(arm, groups, _parts(groups, numbers), self.more) for numbers in fits)
 
 
 @dataclass(frozen=True)
@@ -205,7 +217,7 @@ def _settled(
         numbers = better
         written = completed(arm, groups, _parts(groups, numbers), more)
         rows = _about(identified, written, spread @ numbers)
-    return _filed(identified, rows, members, written, numbers, spread @ numbers)
+    return _filed(identified, rows, members, written, numbers, spread @ numbers, more)
 
 
 def _parts(groups: Sequence[Group], numbers: Array) -> list[Array]:
@@ -223,7 +235,13 @@ def _system(
 
 
 def _filed(
-    identified: Identified, rows: _Linearised, members: tuple[Member, ...], arm: Arm, numbers: Array, sizes: Array
+    identified: Identified,
+    rows: _Linearised,
+    members: tuple[Member, ...],
+    arm: Arm,
+    numbers: Array,
+    sizes: Array,
+    more: Sequence[EffectEntry] = (),
 ) -> Filed:
     folds = identified.folds
     systems = tuple(_system(identified, rows.fit, members, folds != fold) for fold in np.unique(folds))
@@ -237,7 +255,7 @@ def _filed(
 
     held, left, held_out = judged_on(rows.counted)
     beside = (left, held_out) if rows.beside is rows.counted else judged_on(rows.beside)[1:]
-    return Filed(members, numbers, sizes, arm, rows.rows, left, held_out, held, beside)
+    return Filed(members, numbers, sizes, arm, rows.rows, left, held_out, held, beside, tuple(more))
 
 
 def _without_harm(arm: Arm, identified: Identified, given: Filed, named: Filed, more: Sequence[EffectEntry]) -> Filed:

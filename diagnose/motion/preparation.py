@@ -100,25 +100,7 @@ class PreparedLog:
 
     def piece(self, part: slice, torque: Array | None = None) -> Motion:
         """The motion in a piece, with the model's torque (N, n) where it is known."""
-        return _part(self.motion, part, None if torque is None else torque[part])
-
-
-def _part(motion: Motion, part: slice, torque: Array | None) -> Motion:
-    def cut(values: Array | None) -> Array | None:
-        return None if values is None else values[part]
-
-    return replace(
-        motion,
-        time=motion.time[part],
-        q=motion.q[part],
-        velocity=motion.velocity[part],
-        acceleration=motion.acceleration[part],
-        torque=torque,
-        commanded=cut(motion.commanded),
-        joint_side=cut(motion.joint_side),
-        payload_mass=cut(motion.payload_mass),
-        temperature=cut(motion.temperature),
-    )
+        return replace(self.motion.at(part), torque=None if torque is None else torque[part])
 
 
 def low_pass(columns: Array, cutoff: float, rate: float) -> Array:

@@ -155,6 +155,57 @@ class OfLog:
 
 
 @dataclass(frozen=True)
+class Deviation:
+    """RMS of simulated less measured motion of a joint: coordinates over the windows and at their ends (`q`, `q_end`;
+    rad, of slides m), and speeds (`velocity`, `velocity_end`; rad/s, m/s)."""
+
+    q: float
+    q_end: float
+    velocity: float
+    velocity_end: float
+
+
+@dataclass(frozen=True)
+class RolloutOfJoint:
+    """A joint (from 1): how far the simulated arm is off as given (`before`), as written (`after`), and by fits that
+    have not seen the window (`held_out`)."""
+
+    joint: int
+    before: Deviation
+    after: Deviation
+    held_out: Deviation
+
+
+@dataclass(frozen=True)
+class RolloutTraces:
+    """What is drawn of a log: `time` (M,) s, and coordinates (M, n) as `measured` and as simulated `before` and
+    `after`; windows follow each other, with a row that is not a number between two."""
+
+    log: str
+    time: Array
+    measured: Array
+    before: Array
+    after: Array
+
+
+@dataclass(frozen=True)
+class Rollout:
+    """The arm simulated by MuJoCo under the logged torques, over windows of so many `seconds` from the logged state on.
+
+    `windows` were simulated; `left` says how many left the joints' ranges, before, after and held out. `beside` are the
+    effects, by id, that act beside what MJCF holds. `lacks` says why nothing was simulated (empty: it was).
+    """
+
+    seconds: float
+    windows: int
+    left: tuple[int, int, int]
+    per_joint: tuple[RolloutOfJoint, ...]
+    traces: tuple[RolloutTraces, ...]
+    beside: tuple[str, ...]
+    lacks: str = ""
+
+
+@dataclass(frozen=True)
 class MotionDiagnosis:
     """The whole result. RMS figures without a joint are the root of the mean over joints of mean squares, N*m.
 
@@ -166,7 +217,7 @@ class MotionDiagnosis:
     them `corrected` holds. `beyond` (n,) N*m is the RMS by joint of what else may differ between several logs. Figures
     are of that file alone; where one log has something of its own, `rms_with_own` is what is left beside that: by the
     file, and by what was named on motion that was not fitted. `small_together` (n,) N*m is the RMS of what the small
-    findings add at each joint together. Rows of `events` count nowhere.
+    findings add at each joint together. Rows of `events` count nowhere. `rollout` is there where it was asked for.
     """
 
     arm: Arm
@@ -195,3 +246,4 @@ class MotionDiagnosis:
     rms_with_own: tuple[float, float] | None = None
     small_together: tuple[float, ...] = ()
     events: tuple[Event, ...] = ()
+    rollout: Rollout | None = None

@@ -126,3 +126,9 @@ class MotionRules:
     never_noise: float = rule(
         0.12, "share of a joint's torque", "A larger remainder is called unknown, whatever other joints leave."
     )
+    rollout: float = rule(
+        0.5,
+        "s",
+        "Windows over which an arm is simulated under logged torques. Errors of torque grow with the square of the "
+        "time, and a longer window is far from the motion that was measured.",
+    )

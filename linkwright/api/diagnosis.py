@@ -51,6 +51,7 @@ def diagnose(
     settings: SettingsOfEach = None,
     units: Annotated[bool, Option()] = False,
     problem: ProblemOption = None,
+    rollout: Annotated[bool, Option()] = False,
     progress: Progress | None = None,
 ) -> "Diagnosis | MotionDiagnosis":
     """What the model of an arm leaves out, by recordings of the real one: where, what, how sure, and what to do.
@@ -74,6 +75,7 @@ def diagnose(
             or once for each, in their order.
         units: The recordings are of several arms of one type: anything may differ.
         problem: Solve this design problem with what was found, too. In Python also a `Problem`.
+        rollout: Simulate motion logs under their torques with MuJoCo, by the arm as given and as corrected.
         progress: Hears of the steps; a bar by default, where somebody looks.
 
     Raises `InputError`, and `MissingProperty` where the model lacks a figure.
@@ -88,19 +90,25 @@ def diagnose(
     from dataclasses import replace
 
     from linkwright.core.diagnose.options import Options
+    from linkwright.core.units.quantities import InputError
     from linkwright.face.arm import arm_of, catalogue_of
     from linkwright.face.motion.log import logs_of, of_tips_alone
     from linkwright.face.plain_input import known_effects
     from linkwright.face.progress import reporting
 
-    options = Options(thorough=thorough, without=known_effects(without))
+    options = Options(thorough=thorough, without=known_effects(without), rollout=rollout)
     given = arm_of(arm, tips="first", unknown_origins=True)
     if logs := logs_of(recording, given, settings):
+        from linkwright.core.diagnose.motion.rollout.simulator import installed
         from linkwright.face.motion.diagnosis import diagnosed_motion
 
         of_tips_alone(units=units, problem=problem is not None)
+        if rollout:
+            installed()
         with reporting(progress) as tell:
             return diagnosed_motion(given, logs, options, tell)
+    if rollout:
+        raise InputError("", "rollout", "goes with motion logs; a recording of the tip has no torques over time")
     from linkwright.core.diagnose.steps.diagnosis import diagnose as diagnosed
     from linkwright.face.diagnosis import Diagnosis, recordings_of
     from linkwright.face.problem import problem_of

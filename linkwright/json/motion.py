@@ -7,7 +7,7 @@ from pathlib import PurePath
 from types import MappingProxyType
 from typing import Any
 
-from linkwright.core.diagnose.motion.result import Event, MotionDiagnosis, MotionFinding, MotionUnknown
+from linkwright.core.diagnose.motion.result import Event, MotionDiagnosis, MotionFinding, MotionUnknown, Rollout
 from linkwright.results.motion.answer import answer, to_do
 
 from .fields import fields, fields_if
@@ -70,6 +70,25 @@ def _finding(finding: MotionFinding) -> dict[str, Any]:
     }
 
 
+def _rollout(diagnosis: MotionDiagnosis, rollout: Rollout) -> dict[str, Any]:
+    """How far the simulated arm is off: coordinates in rad (m), speeds in rad/s (m/s)."""
+    off = ("q", "q_end", "dq=velocity", "dq_end=velocity_end")
+    states = ("before", "after", "held_out")
+    return {
+        **fields(rollout, "window_s=seconds", "windows", "beside_mjcf=beside"),
+        "left_range": dict(zip(states, rollout.left, strict=True)),
+        "per_joint": [
+            {
+                "joint": item.joint,
+                "unit": "rad" if diagnosis.arm.joints[item.joint - 1].revolute else "m",
+                **{state: fields(getattr(item, state), *off) for state in states},
+            }
+            for item in rollout.per_joint
+        ],
+        "lacks": rollout.lacks or None,
+    }
+
+
 def per_joint_json(diagnosis: MotionDiagnosis) -> list[dict[str, Any]]:
     """What is left of each joint's torque, N*m (N)."""
     rms = ("rms_before=before", "rms_after=after", "rms_after_held_out=held_out", "noise_floor=floor")
@@ -129,6 +148,7 @@ def motion_json(diagnosis: MotionDiagnosis) -> dict[str, Any]:
         "rms_with_own": None if diagnosis.rms_with_own is None else diagnosis.rms_with_own[0],
         "where": _where(diagnosis),
         "unknown": None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
+        "rollout": None if diagnosis.rollout is None else _rollout(diagnosis, diagnosis.rollout),
         "rejected_rows": [item["row"] for item in rejected],
         "rejected_rows_detail": rejected,
         **fields(diagnosis, "split", "cutoff_Hz", "notes", "seconds"),

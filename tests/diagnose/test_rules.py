@@ -114,6 +114,9 @@ NO_RULES = {
     "motion/model/search.py": {"_MOST", "_MOST_FOR_ONE", "_PROMISING"},  # how far a search looks
     "motion/preparation.py": {"_ENOUGH", "_HELD", "_LET_THROUGH", "_MOST", "_PIECE", "_UNTOUCHED", "_WORKING_RATE"},
     "motion/reading/read.py": {"_HEAD"},
+    "motion/rollout/rollout.py": {"_MOST"},
+    "motion/rollout/simulator.py": {"STEP", "_ROWS", "_SAME", "_SLOWEST"},  # how a simulation goes, and rounding
+    "motion/rollout/windows.py": {"_ROUNDS"},
     "motion/sentences.py": {"_SAID"},
     "motion/simulate.py": {"_NOISE"},
     "motion/unknown.py": {"_BINS", "_DRAWS"},

@@ -7,11 +7,12 @@ from collections.abc import Sequence
 from pathlib import PurePath
 
 from linkwright.core.diagnose.motion.log import MotionLog
-from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding, MotionUnknown, OfJoint
+from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding, MotionUnknown, OfJoint, Rollout
 from linkwright.core.diagnose.motion.sentences import since_words
 from linkwright.core.units.lists import listed
 from linkwright.report.charts.joints import joints_at_a_glance
 from linkwright.report.charts.motion import left_against, torque_against_time
+from linkwright.report.charts.rollout import rolled_out_against_time
 from linkwright.results.design import settings
 from linkwright.results.diagnoses.evidence import set_aside
 from linkwright.results.diagnoses.words import (
@@ -78,6 +79,7 @@ def describe(diagnosis: MotionDiagnosis) -> Description:
         _logs(diagnosis) if len(diagnosis.of_logs) > 1 else None,
         _events(diagnosis) if diagnosis.events else None,
         _findings(diagnosis) if diagnosis.findings else None,
+        None if diagnosis.rollout is None else _rollout(diagnosis, diagnosis.rollout),
         None if diagnosis.unknown is None else _unknown(diagnosis, diagnosis.unknown),
         _pictures(diagnosis) if diagnosis.traces else None,
         _set_aside(diagnosis),
@@ -280,6 +282,39 @@ def _unknown(diagnosis: MotionDiagnosis, unknown: MotionUnknown) -> Section:
         None if unknown.change is None else Paragraph(since_words(unknown.change)),
         Paragraph(f"What would decide: {whole_sentence(unknown.decide)}") if unknown.decide else None,
         lead="What remains, and what it depends on. Nothing here is a cause.",
+    )
+
+
+def _rollout(diagnosis: MotionDiagnosis, rollout: Rollout) -> Section:
+    """How far the simulated arm is off before and after, by joint, and both drawn."""
+    if rollout.lacks:
+        return section("Rollout", Paragraph(f"Nothing was simulated: {rollout.lacks}.", "warning"))
+    rows: list[list[Cell]] = []
+    for item in rollout.per_joint:
+        turns = diagnosis.arm.joints[item.joint - 1].revolute
+        scale, units = (180.0 / math.pi, ("°", "°/s")) if turns else (1e3, ("mm", "mm/s"))
+        states = (item.before, item.after, item.held_out)
+        figures = [(state.q_end, units[0]) for state in states]
+        figures += [(state.q, units[0]) for state in states[:2]] + [(state.velocity, units[1]) for state in states[:2]]
+        rows.append([count(item.joint), *(torque(scale * value, unit) for value, unit in figures)])
+    over = ("over them, before", "after", Column("speed, before", detail=True), Column("after", detail=True))
+    headings = ("joint", "at the ends, before", "after", "held out", *over)
+    length = with_unit(rollout.seconds, "s", 3)
+    lead = (
+        f"MuJoCo moves the arm under the logged torques, from the logged state at the start of each {length} on. "
+        f"Simulated less measured, RMS of {rollout.windows} windows. Held out: sizes fitted to other motion."
+    )
+    gone = [f"{left} {when}" for left, when in zip(rollout.left, ("before", "after", "held out"), strict=True) if left]
+    names = listed([effect_title(effect) for effect in rollout.beside])
+    return section(
+        "Rollout",
+        table(headings, rows),
+        Paragraph(f"Windows in which the arm left a joint's range and was stopped there: {listed(gone)}.")
+        if gone
+        else None,
+        Paragraph(f"Simulated beside what MJCF holds: {names}.") if names else None,
+        Picture(lambda: rolled_out_against_time(diagnosis.arm, rollout)),
+        lead=lead,
     )
 
 

@@ -8,11 +8,15 @@ from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.motion.result import (
     Alternative,
+    Deviation,
     MotionDiagnosis,
     MotionFinding,
     MotionUnknown,
     OfJoint,
     OfLog,
+    Rollout,
+    RolloutOfJoint,
+    RolloutTraces,
     Traces,
 )
 from linkwright.core.diagnose.recording import RejectedRow
@@ -131,3 +135,26 @@ def made_motion(verdict="named", arm=None, **changed):
         seconds=2.5,
     )
     return replace(made, **changed)
+
+
+def made_rollout(log, windows=12, samples=51):
+    """Windows of half a second: before, joints run away and the second leaves its range; after, they are close."""
+    rows = np.arange(windows)[:, None] * (samples - 1) + np.arange(samples)
+    measured, time = log.q[rows], log.time[rows]
+    since = (time - time[:, :1])[:, :, None]
+    before, after = measured + 3.0 * since**2, measured + 0.01 * since
+    before[3, 20:] = np.nan
+
+    def apart(values):
+        return np.concatenate((values, np.full((windows, 1, *values.shape[2:]), np.nan)), axis=1).reshape(
+            windows * (samples + 1), *values.shape[2:]
+        )
+
+    joints = tuple(
+        RolloutOfJoint(
+            joint, *(Deviation(0.1 * size, 0.2 * size, 0.4 * size, 0.5 * size) for size in (1.0 * joint, 0.01, 0.02))
+        )
+        for joint in range(1, log.q.shape[1] + 1)
+    )
+    traces = RolloutTraces("log.csv", *(apart(values) for values in (time, measured, before, after)))
+    return Rollout(0.5, windows, (1, 0, 0), joints, (traces,), ("friction_load",))

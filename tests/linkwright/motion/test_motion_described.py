@@ -12,6 +12,7 @@ from linkwright.json.motion import motion_json
 from linkwright.markdown.described import markdown
 from linkwright.output.files import json_text
 from linkwright.report.charts.joints import joints_at_a_glance
+from linkwright.report.charts.rollout import rolled_out_against_time
 from linkwright.report.described import page_of
 from linkwright.results.diagnoses.answer import MOST_WORDS
 from linkwright.results.motion.answer import answer, to_do
@@ -19,7 +20,7 @@ from linkwright.results.motion.described import describe
 from linkwright.screen.console import console
 from linkwright.screen.described import show
 from tests.diagnose.made_diagnosis import made_arm
-from tests.linkwright.motion.made_motion import made_log, made_motion
+from tests.linkwright.motion.made_motion import made_log, made_motion, made_rollout
 from tests.linkwright.reports.test_report import Page
 
 NOISY = ("q", "velocity", "measured", "before", "after", "friction")
@@ -260,3 +261,34 @@ def test_a_motion_that_reads_back_otherwise_is_told():
     torque[3, 1] = np.nan
     assert list(unlike_arrays(meant, replace(meant, torque=torque), "q", "torque")) == ["another torque"]
     assert list(unlike_arrays(meant, replace(meant, time=meant.time[1:]), "time", "q")) == ["another time"]
+
+
+def test_a_rollout_is_told_and_drawn(capsys):
+    """Degrees at the ends before and after, what left its range, what acts beside the file, and a picture a joint."""
+    diagnosis = made_motion(rollout=made_rollout(made_log()))
+    said = on_screen(diagnosis, capsys)
+    assert "1 11.5 ° 0.115 °" in said  # 0.2 rad, 0.002 rad
+    assert "1 before" in said
+    assert "friction that grows with the load" in said
+    drawn = rolled_out_against_time(diagnosis.arm, diagnosis.rollout)
+    assert drawn.count("<svg") == diagnosis.arm.size
+    for name in ("measured", "before", "after"):
+        assert drawn.count(f'class="course {name}"') == 12 * diagnosis.arm.size
+    assert "nan" not in drawn
+    assert "Rollout" in page_of(describe(diagnosis))
+
+
+def test_a_rollout_in_json():
+    held = motion_json(made_motion(rollout=made_rollout(made_log())))["rollout"]
+    assert held["left_range"] == {"before": 1, "after": 0, "held_out": 0}
+    assert held["beside_mjcf"] == ["friction_load"]
+    assert held["per_joint"][1]["before"] == {"q": 0.2, "q_end": 0.4, "dq": 0.8, "dq_end": 1.0}
+    assert motion_json(made_motion())["rollout"] is None
+
+
+def test_why_nothing_was_simulated_is_told(capsys):
+    lacks = replace(
+        made_rollout(made_log()), windows=0, per_joint=(), traces=(), lacks="the torque of joint 2 was not logged"
+    )
+    said = on_screen(made_motion(rollout=lacks), capsys)
+    assert "Nothing was simulated: the torque of joint 2 was not logged." in said
