@@ -2,6 +2,7 @@
 
 import json
 import re
+import sys
 from pathlib import Path
 
 import numpy as np
@@ -93,6 +94,7 @@ def test_questions_of_a_tip_are_one_line(capsys, found):
     for words, said in (
         (["diagnose", URDF, LOG, OTHER, "--units"], "--units: goes with recordings of a tip"),
         (["diagnose", URDF, LOG, LOG], "is named twice"),
+        (["diagnose", str(EXAMPLE.parent / "hidden-backlash" / "arm.yaml"), tip, "--rollout"], "goes with motion logs"),
         (["simulate", URDF, "--motion", "10 s", "--poses", "3", "--out", str(found / "x.csv")], "goes without poses"),
     ):
         assert run(words) == 2, words
@@ -108,6 +110,13 @@ def test_questions_of_a_tip_are_one_line(capsys, found):
     with pytest.raises(lw.InputError, match="holds nothing of the tip"):
         lw.plan(arm, poses=10, after=lw.read_log(LOG, URDF))
     assert run(["diagnose", str(EXAMPLE.parent / "hidden-backlash" / "arm.yaml"), tip, LOG]) == 2
+
+
+def test_a_rollout_without_mujoco_is_one_line(monkeypatch, capsys):
+    """Said before anything is computed, with what to type."""
+    monkeypatch.setitem(sys.modules, "mujoco", None)
+    assert run(["diagnose", URDF, LOG, "--rollout"]) == 2
+    assert "rollout: a rollout needs mujoco, not installed here: pip install" in capsys.readouterr().err
 
 
 def test_a_design_that_friction_does_not_change_is_no_answer():
