@@ -19,13 +19,10 @@ from linkwright.core.arm.effects.drives.spring import SPRING
 from linkwright.core.arm.effects.friction.friction_coulomb import FRICTION_COULOMB
 from linkwright.core.arm.effects.friction.friction_viscous import FRICTION_VISCOUS
 from linkwright.core.arm.effects.loads.inertial import OfInertia
-from linkwright.core.arm.motion.rigid import parameters_of, pseudo_inertia, tensor_of
+from linkwright.core.arm.motion.rigid import body_near, parameters_of, tensor_of
 from linkwright.core.sections.numeric import Array
 
 Format = Literal["urdf", "mjcf"]
-
-_LEAST = 1e-9
-"""Of a pseudo-inertia's greatest eigenvalue: what is less is rounding of a body without extent."""
 
 
 @dataclass(frozen=True)
@@ -88,9 +85,8 @@ def added_parameters(arm: Arm) -> Array:
 
 def heavier(mass: Mass | None, added: Array) -> Mass | None:
     """A mass with inertial parameters (10,) added to it, all in one frame; None where no body has what comes of it."""
-    whole = added + (0.0 if mass is None else parameters_of(mass))
-    moments = np.linalg.eigvalsh(pseudo_inertia(whole))
-    if whole[0] <= 0.0 or moments[0] < -_LEAST * moments[-1]:
+    whole = body_near(added + (0.0 if mass is None else parameters_of(mass)))
+    if whole is None:
         return None
     center = whole[1:4] / whole[0]
     about = whole[0] * (center @ center * np.eye(3) - np.outer(center, center))

@@ -37,6 +37,10 @@ PARAMETERS = (
 INERTIA_PAIRS = ((0, 0), (0, 1), (0, 2), (1, 1), (1, 2), (2, 2))
 """Where the last six of them stand in a tensor."""
 
+_ROUNDING, _THINNEST = 1e-6, 1e-9
+"""Of a pseudo-inertia's greatest eigenvalue: by how much the least one may be below zero by rounding, and how large it
+is then made, so that further rounding leaves it a body's."""
+
 
 def parameters_of(mass: Mass) -> Array:
     """A mass as its ten inertial parameters (10,) about the origin of its frame."""
@@ -82,6 +86,25 @@ def pseudo_inertia(parameters: Array) -> Array:
     matrix[:3, 3] = matrix[3, :3] = parameters[1:4]
     matrix[3, 3] = parameters[0]
     return matrix
+
+
+def is_body(pseudo: Array) -> bool:
+    """Whether a pseudo-inertia (4, 4) is some body's, as far as rounding tells."""
+    values = np.linalg.eigvalsh(pseudo)
+    return bool(values[0] >= -_ROUNDING * abs(values[-1]))
+
+
+def body_near(parameters: Array) -> Array | None:
+    """Inertial parameters (10,) of a body, where these are a body's but for rounding; None else."""
+    pseudo = pseudo_inertia(parameters)
+    if parameters[0] <= 0.0 or not is_body(pseudo):
+        return None
+    values, vectors = np.linalg.eigh(pseudo)
+    if values[0] >= _THINNEST * values[-1]:
+        return parameters
+    whole = (vectors * np.maximum(values, _THINNEST * values[-1])) @ vectors.T
+    tensor = np.trace(whole[:3, :3]) * np.eye(3) - whole[:3, :3]
+    return np.array([whole[3, 3], *whole[:3, 3], *(tensor[pair] for pair in INERTIA_PAIRS)])
 
 
 def link_parameters(arm: Arm) -> Array:

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from scipy.linalg import cho_factor, cho_solve
 from scipy.optimize import lsq_linear
 
-from linkwright.core.arm.motion.rigid import pseudo_inertia
+from linkwright.core.arm.motion.rigid import is_body, pseudo_inertia
 from linkwright.core.sections.numeric import Array
 
 from .evidence import Member, System
@@ -78,7 +78,7 @@ def feasible(system: System, members: Sequence[Member]) -> Feasible:
         factor = np.linalg.cholesky(inner).T
         numbers = np.asarray(lsq_linear(factor, factor @ best, (lower, upper)).x, dtype=float)
     hidden = sum(link.by.shape[1] for link in links[:1]) - len(best) if links else 0
-    if not all(_some_body(link.pseudo(np.append(numbers, np.zeros(hidden)))) for link in links):
+    if not all(is_body(link.pseudo(np.append(numbers, np.zeros(hidden)))) for link in links):
         numbers = np.clip(_nearest(inner, best, (lower, upper), links), lower, upper)
     elif within:
         return Feasible(best, 0.0)
@@ -111,12 +111,6 @@ def _links(system: System, members: Sequence[Member], count: int) -> list[_Link]
         links.append(_Link(group.body.had, by, ten))
         free += len(rest)
     return links
-
-
-def _some_body(pseudo: Array) -> bool:
-    """Whether a pseudo-inertia is some body's, as far as rounding tells."""
-    values = np.linalg.eigvalsh(pseudo)
-    return bool(values[0] >= -1e-6 * abs(values[-1]))
 
 
 def _nearest(inner: Array, best: Array, bounds: tuple[Array, Array], links: Sequence[_Link]) -> Array:

@@ -10,6 +10,7 @@ from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.descriptions.formats import export_arm
 from linkwright.core.arm.motion.dynamics import model_torque
 from linkwright.core.arm.motion.motion import Motion
+from linkwright.core.arm.motion.rigid import INERTIA_PAIRS, PARAMETERS, link_parameters, pseudo_inertia
 from tests.arm.motion.by_mujoco import inverse
 from tests.arm.motion.test_rigid import random_arm
 
@@ -86,3 +87,22 @@ def test_weights_that_no_body_has_are_told_and_left_out():
     assert "what was found of the weight of link 2: no body has it" in exported.lost
     plain = export_arm(replace(hollow, effects=()), "mjcf").text
     assert exported.text.partition("<compiler")[2] == plain.partition("<compiler")[2]
+
+
+@pytest.mark.parametrize(("short", "held"), [(-3e-7, True), (-1e-4, False)])
+def test_a_link_that_rounding_keeps_from_being_a_body_is_held(short, held):
+    """Fits end on the border of what bodies have. A millionth beyond is rounding, and MuJoCo takes the body near it."""
+    arm = with_effects(())
+    values, vectors = np.linalg.eigh(pseudo_inertia(link_parameters(arm)[1]))
+    values[0] = short * values[-1]
+    whole = (vectors * values) @ vectors.T
+    tensor = np.trace(whole[:3, :3]) * np.eye(3) - whole[:3, :3]
+    meant = np.array([whole[3, 3], *whole[:3, 3], *(tensor[pair] for pair in INERTIA_PAIRS)])
+    added = dict(zip(PARAMETERS, (meant - link_parameters(arm)[1]).tolist(), strict=True))
+    arm = replace(arm, effects=(EffectEntry("link_inertial", (2,), added),))
+    exported = export_arm(arm, "mjcf")
+    assert any("no body has it" in item for item in exported.lost) != held
+    if held:
+        ours = by_model(arm, *states(3))
+        off = in_mujoco(exported.text, *states(3)) - ours
+        assert np.abs(off).max() < 1e-4 * np.abs(ours).max()
