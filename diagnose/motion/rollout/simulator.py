@@ -129,7 +129,7 @@ def installed() -> Any:
 def _goes_by_instant(entry: EffectEntry, motion: Motion) -> bool | None:
     """Whether the torque of an effect is the same at an instant, whatever is before and after; None where it has
     none."""
-    rows = np.random.default_rng(1).permutation(motion.size)[:_ROWS]
+    rows = np.sort(np.random.default_rng(1).permutation(motion.size)[:_ROWS])
     along, alone = torque_of(motion, [entry]), torque_of(motion.at(rows), [entry])
     largest = float(np.abs(along).max(initial=0.0))
     return bool(np.abs(along[rows] - alone).max() <= 1e-9 * largest) if largest > 0.0 else None

@@ -98,10 +98,16 @@ def test_what_mjcf_has_no_word_for_is_told():
     assert made.lasting == ()
 
 
-def test_what_goes_by_the_course_of_a_motion_is_known_as_such():
-    arm = arm_with(entry("friction_reversal", 1, torque=2.0, distance=0.01), *DRY)
-    made = simulator(arm, motion_of(arm, turning=True))
-    assert [item.effect for item in made.lasting] == ["friction_reversal"]
+@pytest.mark.parametrize(
+    "lasting",
+    [
+        entry("friction_reversal", 1, torque=2.0, distance=0.01),
+        entry("joint_compliance", 2, compliance=1e-3, retardation=5e-3),
+    ],
+)
+def test_what_goes_by_the_course_of_a_motion_is_known_as_such(lasting):
+    arm = arm_with(lasting, *DRY, *BESIDE)
+    assert simulator(arm, motion_of(arm, turning=True)).lasting == (lasting,)
 
 
 @pytest.mark.parametrize("seed", [1, 2])
