@@ -74,6 +74,25 @@ class MotionDiagnosis(Reported):
         return frame([asdict(item) for item in self.found.per_joint])
 
     @property
+    def rollout(self) -> pd.DataFrame | None:
+        """A row for each joint: how far MuJoCo's arm is off under the logged torques (RMS over the windows, `_end` at
+        their ends; rad and rad/s, of slides m and m/s), before, after and held out; None where it was not asked for."""
+        if self.found.rollout is None:
+            return None
+        off = ("q", "q_end", "dq=velocity", "dq_end=velocity_end")
+        return frame(
+            [
+                {"joint": item.joint}
+                | {
+                    f"{name}_{state}": value
+                    for state in ("before", "after", "held_out")
+                    for name, value in fields(getattr(item, state), *off).items()
+                }
+                for item in self.found.rollout.per_joint
+            ]
+        )
+
+    @property
     def recordings(self) -> pd.DataFrame:
         """A row for each log: samples, RMS (N*m, all joints together) before, after and held out."""
         keys = ("name", "file", "unit", "date", "samples", "rms_before", "rms_after", "rms_held_out")

@@ -11,7 +11,7 @@ import pytest
 import linkwright as lw
 from linkwright.cli import run
 from linkwright.face.motion.diagnosis import MotionDiagnosis
-from tests.linkwright.motion.made_motion import made_motion
+from tests.linkwright.motion.made_motion import made_log, made_motion, made_rollout
 
 EXAMPLE = Path(__file__).resolve().parents[3] / "examples" / "motion-log"
 URDF, LOG, OTHER = (str(EXAMPLE / name) for name in ("robot.urdf", "log.csv", "other.csv"))
@@ -117,6 +117,15 @@ def test_a_rollout_without_mujoco_is_one_line(monkeypatch, capsys):
     monkeypatch.setitem(sys.modules, "mujoco", None)
     assert run(["diagnose", URDF, LOG, "--rollout"]) == 2
     assert "rollout: a rollout needs mujoco, not installed here: pip install" in capsys.readouterr().err
+
+
+def test_a_rollout_is_a_table_in_python():
+    """A row a joint, as in JSON; none where nobody asked."""
+    found = made_motion(rollout=made_rollout(made_log()))
+    dia = MotionDiagnosis(lw.Arm.of(found.arm), (), found)
+    first = dia.rollout.iloc[0]
+    assert (first["joint"], first["q_end_before"], first["dq_after"]) == (1, 0.2, 0.004)
+    assert MotionDiagnosis(lw.Arm.of(found.arm), (), made_motion()).rollout is None
 
 
 def test_a_design_that_friction_does_not_change_is_no_answer():
