@@ -110,7 +110,8 @@ def _simulated(log: _Log, arm: Arm, which: NDArray[np.bool_] | None = None) -> _
     use = np.ones(len(log.fold), dtype=bool) if which is None else which
     numbers = np.flatnonzero(use)
     shape = (*log.windows.rows.shape, arm.size)
-    q, velocity, going = np.full(shape, np.nan), np.full(shape, np.nan), np.zeros(len(use), dtype=np.int64)
+    q, velocity = np.full(shape, np.nan), np.full(shape, np.nan)
+    going = np.zeros((len(use), arm.size), dtype=np.int64)
     beside: tuple[str, ...] = ()
     for some, simulator, given in courses(arm, log.windows.only(numbers)) if len(numbers) else ():
         part = rolled_out(simulator, given, _limits(arm, log.windows))
@@ -161,8 +162,8 @@ def _traces(log: _Log, before: _Part, after: _Part) -> RolloutTraces:
         return np.concatenate((values, gap), axis=1).reshape(-1, *values.shape[2:])
 
     def as_far(rolled: Rolled) -> Array:
-        samples = np.arange(rolled.q.shape[1])
-        return np.where((samples < rolled.going[:, None])[:, :, None], rolled.q, np.nan)
+        samples = np.arange(rolled.q.shape[1])[:, None]
+        return np.where(samples < rolled.going[:, None], rolled.q, np.nan)
 
     measured = prepared.motion.q[log.windows.rows]
     return RolloutTraces(

@@ -33,6 +33,8 @@ STEP = 1e-3
 _FRICTION = "friction in motion"
 _SLOWEST = 0.03
 """rad/s, m/s; below it the arm's own friction is smoothed, MuJoCo's is not: it is that of this speed."""
+_LOCKED = 1e6
+"""N*m, N; friction that holds a joint at the end of its range."""
 _SAME = 1e-5
 """Of a joint's largest torque, by which MuJoCo's may differ from the arm's own equations."""
 _ROWS = 50
@@ -58,8 +60,8 @@ class Courses:
 
 @dataclass(frozen=True)
 class Rolled:
-    """What comes of W courses: coordinates `q` and `velocity` (W, S + 1, n), and how many samples of each go (`going`,
-    (W,)) before a joint leaves its range; from there it stands."""
+    """What comes of W courses: coordinates `q` and `velocity` (W, S + 1, n), and for how many samples each joint goes
+    (`going`, (W, n)) before it leaves its range, where it is stopped."""
 
     q: Array
     velocity: Array
@@ -68,7 +70,7 @@ class Rolled:
     @property
     def left(self) -> NDArray[np.bool_]:
         """Which courses (W,) left a joint's range."""
-        return self.going < self.q.shape[1]
+        return (self.going < self.q.shape[1]).any(axis=1)
 
 
 @dataclass(frozen=True)
@@ -173,7 +175,11 @@ def rolled_out(simulator: Simulator, courses: Courses, limits: Array) -> Rolled:
     first = courses.motion.at(np.arange(count) * samples)
     at, speed, acceleration = first.q.copy(), first.velocity.copy(), first.acceleration.copy()
     load = torque_stages(first).load
-    goes, going = np.ones(count, dtype=bool), np.ones(count, dtype=np.int64)
+    goes, inside, going = (
+        np.ones(count, dtype=bool),
+        np.ones((count, n), dtype=bool),
+        np.ones((count, n), dtype=np.int64),
+    )
     q[:, 0], velocity[:, 0] = at, speed
     beside, forward = _Beside(simulator, courses), _Forward(simulator.model)
     for sample in range(samples - 1):
@@ -183,19 +189,20 @@ def rolled_out(simulator: Simulator, courses: Courses, limits: Array) -> Rolled:
             slope = speed + 0.5 * step * acceleration
             acts = beside.at(sample, share, middle, slope, acceleration, load)
             drive = (1.0 - share) * courses.torque[:, sample] + share * courses.torque[:, sample + 1]
-            torque = drive - acts.others - acts.loads
+            torque, loss = drive - acts.others - acts.loads, np.where(inside, acts.loss, _LOCKED)
             for course in np.flatnonzero(goes).tolist():
-                forward(middle[course], slope[course], torque[course], acts.loss[course])
+                forward(middle[course], slope[course], torque[course], loss[course])
                 acceleration[course], load[course] = forward.acceleration, forward.load
             load += acts.loads
             at = at + step * speed + 0.5 * step**2 * acceleration
             speed = speed + step * acceleration
-            goes &= np.isfinite(speed).all(axis=1) & ((at >= limits[0]) & (at <= limits[1])).all(axis=1)
-            stands = ~goes
-            at[stands] = np.clip(np.nan_to_num(at[stands]), *limits)
-            speed[stands] = acceleration[stands] = 0.0
+            goes &= np.isfinite(speed).all(axis=1)
+            stopped = ~goes[:, None] | (at < limits[0]) | (at > limits[1])
+            at = np.clip(np.nan_to_num(at), *limits)
+            inside &= ~stopped
+            speed[~inside] = acceleration[~inside] = 0.0
         q[:, sample + 1], velocity[:, sample + 1] = at, speed
-        going += goes
+        going += inside
     return Rolled(q, velocity, going)
 
 
