@@ -115,7 +115,7 @@ NO_RULES = {
     "motion/preparation.py": {"_ENOUGH", "_HELD", "_LET_THROUGH", "_MOST", "_PIECE", "_UNTOUCHED", "_WORKING_RATE"},
     "motion/reading/read.py": {"_HEAD"},
     "motion/rollout/rollout.py": {"_MOST"},
-    "motion/rollout/simulator.py": {"STEP", "_LOCKED", "_ROWS", "_SAME", "_SLOWEST"},  # how a simulation goes, and rounding
+    "motion/rollout/simulator.py": {"STEP", "_LOCKED", "_ROWS", "_SAME", "_SLOWEST"},  # how it goes, and rounding
     "motion/rollout/windows.py": {"_ROUNDS"},
     "motion/sentences.py": {"_SAID"},
     "motion/simulate.py": {"_NOISE"},

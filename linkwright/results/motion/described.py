@@ -309,9 +309,7 @@ def _rollout(diagnosis: MotionDiagnosis, rollout: Rollout) -> Section:
     return section(
         "Rollout",
         table(headings, rows),
-        Paragraph(f"Windows in which a joint left its range and was stopped there: {listed(gone)}.")
-        if gone
-        else None,
+        Paragraph(f"Windows in which a joint left its range and was stopped there: {listed(gone)}.") if gone else None,
         Paragraph(f"Simulated beside what MJCF holds: {names}.") if names else None,
         Picture(lambda: rolled_out_against_time(diagnosis.arm, rollout)),
         lead=lead,
