@@ -202,7 +202,7 @@ def _broken(context: Context, choice: Choice, candidate: Candidate, known: dict[
     pick = Combination(candidate.shapes, materials)
     space = design_space(problem, pick.shapes)
     row = material_row(pick.materials, problem)
-    program = Exchange(context, space).program(choice.exchanged.pool, spare=False)
+    program = Exchange(context, space, choice.exchange.compiled).program(choice.exchanged.pool, spare=False)
     for start in starting_points(space, row, 1):
         solution = program.solve(start, row, choice.exchanged.pool, Ask(problem.limits, relax=True))
         if solution.solved:

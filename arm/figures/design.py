@@ -13,11 +13,11 @@ from linkwright.core.arm.chain.beam import Beam
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.materials.material import MaterialValues
 from linkwright.core.sections.numeric import Array
-from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import Section
 
 if TYPE_CHECKING:
     from linkwright.core.arm.chain.chain import Arm, LoadCase
+    from linkwright.core.arm.limits.wall_modes import Mode
     from linkwright.core.arm.worst.search import WorstSearch
 
 POSES = 2048
@@ -59,11 +59,13 @@ class ChosenMaterial(MaterialValues):
 
 @dataclass(frozen=True)
 class DesignExpressions:
-    """A design's figures as expressions of the optimiser's numbers and the materials' parameters (SI)."""
+    """A design's figures as expressions of the optimiser's numbers, or of what each link brings, and the materials'
+    parameters (SI); sections are None where rows are not to see them."""
 
     sections: tuple[Section | None, ...]
     materials: tuple[ChosenMaterial | None, ...]
-    properties: tuple[SectionProperties | None, ...]
+    modes: tuple[tuple[Mode, ...], ...]
+    """How the walls of each link buckle."""
     beams: tuple[Beam, ...]
     beam_column: Any
     strength_column: Any

@@ -274,16 +274,12 @@ class Walls(PoseFamily[LocalBuckling]):
         q, shares = pose
         acting = case.function(q, design.beam_column)
         for entry, link in enumerate(case.links):
-            section, material, properties = design.sections[link], design.materials[link], design.properties[link]
-            assert section is not None
-            assert material is not None
-            assert properties is not None
             far = [acting[LOAD_FIELDS * entry + k] for k in range(LOAD_FIELDS)]
             # The far end of a link that tapers is a smaller image of the one at its joint.
             at = similar_station(shares[entry], design.beams[link].log_taper)
             loads = loads_at(far, shares[entry], at.weight_beyond, at.moment_beyond)
             size = 1.0 + shares[entry] * (ca.exp(design.beams[link].log_taper) - 1.0)
-            for _, mode in modes_of(section, properties, material) or ():
+            for mode in design.modes[link]:
                 for number, value, slack in held.on(LOCAL_BUCKLING.name):
                     yield number, mode.use(loads.over(size)) * value - ca.exp(slack)
 

@@ -16,7 +16,7 @@ from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.balance.balance import with_least_counterweights
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import context_of
-from linkwright.core.optimize.exchange.program import carried_mass, drives_cost
+from linkwright.core.optimize.exchange.totals import carried_mass, drives_cost
 from linkwright.core.optimize.problem import Problem
 
 Assignment = tuple[Actuator | None, ...]

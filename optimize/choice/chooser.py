@@ -20,6 +20,7 @@ from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.executors import Executor
 from linkwright.core.optimize.choice.pose_products import one_signed
 from linkwright.core.optimize.exchange.binding_poses import Pool
+from linkwright.core.optimize.exchange.compiled import Compiled
 from linkwright.core.optimize.exchange.design import (
     LENGTH,
     TAPER,
@@ -33,8 +34,9 @@ from linkwright.core.optimize.exchange.design import (
 )
 from linkwright.core.optimize.exchange.exchange import GAINED, Context, Exchange, Exchanged, badness_of, first_pool
 from linkwright.core.optimize.exchange.other_lengths import other_lengths, share_unreached, with_lengths
-from linkwright.core.optimize.exchange.program import Ask, Program, Solution, carried_mass
+from linkwright.core.optimize.exchange.program import Ask, Program, Solution
 from linkwright.core.optimize.exchange.rescue import solved
+from linkwright.core.optimize.exchange.totals import carried_mass
 from linkwright.core.optimize.result import Candidate, Iteration
 
 from .at_once.feasibility import Feasibility, feasibility_of
@@ -106,6 +108,7 @@ class Chooser:
         self.kept = _KEPT
         self.feasibility: Feasibility | None = None
         """What rules out combinations, from the first on that cannot keep the limits."""
+        self._compiled = Compiled()
         self._exchanges: dict[tuple[str | None, ...], Exchange] = {}
 
     @property
@@ -350,7 +353,8 @@ class Chooser:
         if shapes not in self._exchanges:
             if len(self._exchanges) >= self.kept:
                 self._exchanges.pop(next(iter(self._exchanges)))
-            self._exchanges[shapes] = Exchange(self.context, design_space(self.context.problem, shapes))
+            space = design_space(self.context.problem, shapes)
+            self._exchanges[shapes] = Exchange(self.context, space, self._compiled)
         return self._exchanges[shapes]
 
     def _known(

@@ -11,27 +11,21 @@ from typing import Any
 import casadi as ca
 import numpy as np
 
-from linkwright.core.arm.bodies.warping import FREE, warping_of
-from linkwright.core.arm.chain.beam import Beam, elastic_beam
 from linkwright.core.arm.chain.chain import Arm, Asymmetry, LoadCase, asymmetry_of
-from linkwright.core.arm.chain.prices import price_by_length, price_by_mass
-from linkwright.core.arm.chain.similar_taper import similar_beam
+from linkwright.core.arm.chain.prices import price_by_mass
 from linkwright.core.arm.errors.calibrated import calibrated_temperature
 from linkwright.core.arm.errors.model import (
-    BEAM_FIELDS,
     beam_values,
     beams_of,
 )
-from linkwright.core.arm.figures import ChosenMaterial, DesignExpressions
-from linkwright.core.arm.figures.strength import STRENGTH_FIELDS
+from linkwright.core.arm.figures import ChosenMaterial
 from linkwright.core.materials.material import Material
 from linkwright.core.materials.walls import WallCompliance
 from linkwright.core.optimize.balance.balance import FIELDS, balance_values, balanced
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.reading.conditions import needed_figures
 from linkwright.core.sections import SHAPES
-from linkwright.core.sections.numeric import Array, column_of_symbols
-from linkwright.core.sections.properties import SectionProperties
+from linkwright.core.sections.numeric import Array
 from linkwright.core.sections.section import DesignVariable, Section
 from linkwright.core.sections.taper import FreeTaper, Tapered, similar, size_ratio
 
@@ -153,27 +147,6 @@ class DesignSpace:
         return sections, [length for _, length in chosen]
 
 
-@lru_cache(maxsize=64)
-def properties_function(shape: str) -> Any:
-    """A shape's properties as a compiled function of its design variables and Poisson's ratio.
-
-    Writing a shape's formulas out as symbols takes far longer than calling a function that holds them, and a choice
-    among shapes meets the same few hundreds of times.
-    """
-    kind = SHAPES[shape]
-    sizes = column_of_symbols("sizes", len(kind.variables))
-    poisson_ratio = column_of_symbols("nu")
-    properties = kind.from_variables([sizes[k] for k in range(sizes.numel())]).properties(poisson_ratio)
-    column = ca.vertcat(*[ca.SX(getattr(properties, item.name)) for item in fields(SectionProperties)])
-    return ca.Function(shape, [sizes, poisson_ratio], [column])
-
-
-def symbolic_properties(shape: str, sizes: list[Any], poisson_ratio: Any) -> SectionProperties:
-    """A shape's properties for symbols in place of its design variables."""
-    column = properties_function(shape)(ca.vertcat(*sizes), poisson_ratio)
-    return SectionProperties(**{item.name: column[k] for k, item in enumerate(fields(SectionProperties))})
-
-
 _ANY_SIZES = ((0.005, 0.5), (0.001, 0.05))
 """m; outer sizes and walls of a section that stands for its shape alone."""
 
@@ -207,7 +180,7 @@ def with_chosen_links(problem: Problem) -> Problem:
 
 
 @lru_cache(maxsize=64)
-def _any_section(shape: str) -> Section:
+def any_section(shape: str) -> Section:
     """A section that stands for its shape alone; its sizes take a search, and every combination asks for some."""
     return SHAPES[shape].start(1e-3, *_ANY_SIZES)
 
@@ -218,7 +191,7 @@ def _candidates(problem: Problem, link: int) -> list[Section]:
         return list({item.section.shape: item.section for item in problem.sizes[link]}.values())
     if problem.shapes is None:
         return []
-    return [_any_section(shape) for shape in problem.shapes_of(link)]
+    return [any_section(shape) for shape in problem.shapes_of(link)]
 
 
 def _free_taper(section: Section | None, near: Section) -> Section:
@@ -294,59 +267,6 @@ def material_values(row: Any, link: int) -> ChosenMaterial:
     figures = {name: row[base + k] for k, name in enumerate(MATERIAL_FIELDS)}
     walls = WallCompliance(**{field.name: figures.pop(field.name) for field in fields(WallCompliance)})
     return ChosenMaterial("chosen", 0.0, **figures, walls=walls)
-
-
-def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions:
-    """The design's figures for symbols x and the materials' parameters."""
-    arm = space.problem.arm
-    sections, _ = space.sections_and_lengths(x)
-    chosen = space.chosen(x)
-    lengths = [length for _, length in chosen]
-    tapers = space.log_tapers(x)
-    rigid_beams = beams_of(arm, space.problem.load_cases) if any(section is None for section in sections) else None
-    beams: list[Beam] = []
-    chosen_materials: list[ChosenMaterial | None] = []
-    properties: list[SectionProperties | None] = []
-    mass: Any = 0.0
-    cost: Any = 0.0
-    for link, (section, length) in enumerate(zip(sections, lengths, strict=True)):
-        if section is None:
-            assert rigid_beams is not None
-            beams.append(rigid_beams[link])
-            chosen_materials.append(None)
-            properties.append(None)
-            mass = mass + rigid_beams[link].lumped_mass
-            continue
-        material = material_values(materials, link)
-        result = symbolic_properties(section.shape, chosen[link][0], material.poisson_ratio)
-        # Warping is taken as free along a tapered link.
-        held = warping_of(arm, link) if space.problem.ranges[link].taper is None else FREE
-        beam = elastic_beam(length, result, material, shear=True, warping=held)
-        if space.problem.ranges[link].taper is not None:
-            beam = similar_beam(beam, tapers[link])
-        properties.append(result)
-        beams.append(beam)
-        chosen_materials.append(material)
-        weight = beam.mass_per_length * length
-        mass = mass + weight
-        cost = cost + weight * material.cost + price_by_length(arm) * length
-    for (link, name), value in space.balance(x).items():
-        changed_figure: dict[str, Any] = {name: value}
-        beams[link] = replace(beams[link], **changed_figure)
-    column = [getattr(beam, name) for beam in beams for name in BEAM_FIELDS]
-    strength = [1.0 if result is None else getattr(result, name) for result in properties for name in STRENGTH_FIELDS]
-    return DesignExpressions(
-        tuple(sections),
-        tuple(chosen_materials),
-        tuple(properties),
-        tuple(beams),
-        ca.vertcat(*[ca.SX(0.0 if entry is None else entry) for entry in column]),
-        ca.vertcat(*[ca.SX(entry) for entry in strength]),
-        mass,
-        cost,
-        sum(lengths),
-        space.hung(x),
-    )
 
 
 def arm_of(space: DesignSpace, x: Array, materials: Sequence[Material | None]) -> Arm:
@@ -435,9 +355,15 @@ def _shared_mass(space: DesignSpace, materials: Array, lengths: list[float]) -> 
         assert shape is not None
         density = materials[len(MATERIAL_FIELDS) * link + MATERIAL_FIELDS.index("density")]
         share = 0.9 * most / (len(elastic) * density * lengths[link]) if math.isfinite(most) else 3e-3
-        section = SHAPES[shape].start(share, *problem.ranges[link].sizes)
+        section = _starting_section(shape, share, *problem.ranges[link].sizes)
         x += _section_values(space, link, section, lengths[link])
     return np.array([*x, *_given_balance(space)])
+
+
+@lru_cache(maxsize=256)
+def _starting_section(shape: str, area: float, outer: tuple[float, float], walls: tuple[float, float]) -> Section:
+    """A section of an area (m^2): its sizes take a search, and every combination of shapes asks for the same few."""
+    return SHAPES[shape].start(area, outer, walls)
 
 
 def _given_balance(space: DesignSpace) -> list[float]:

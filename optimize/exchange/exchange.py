@@ -41,10 +41,12 @@ from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
 from .binding_poses import Anchor, ErrorCut, Pool, Room
+from .compiled import Compiled
 from .design import DesignSpace, arm_of, numeric_beams, with_chosen_links
-from .program import Ask, Program, Solution, anchored, carried_mass, cut_of, groups_of
+from .program import Ask, Program, Solution, cut_of, groups_of
 from .rescue import LEAST_ERROR, solved
 from .scenarios import Scenarios
+from .totals import anchored, carried_mass
 
 Log = Callable[[Iteration], None]
 
@@ -168,8 +170,10 @@ def badness_of(context: Context, program: Program, x: Array, arm: Arm, materials
 class Exchange:
     """The exchange for one combination of shapes; materials and starts may differ from call to call."""
 
-    def __init__(self, context: Context, space: DesignSpace) -> None:
+    def __init__(self, context: Context, space: DesignSpace, compiled: Compiled | None = None) -> None:
+        """`compiled`: what exchanges of the same problem have compiled, to which this one adds."""
         self.context, self.space = context, space
+        self.compiled = Compiled() if compiled is None else compiled
         self._anchors = anchored(space)
         self._program: Program | None = None
         self._reached: Array | None = None
@@ -187,7 +191,9 @@ class Exchange:
             self.room = room.spare(1 if self._anchors else 4) if spare else room
         if self._program is None or self._program.room != self.room:
             context = self.context
-            self._program = Program(self.space, context.model, context.families, self.room, context.scenarios)
+            self._program = Program(
+                self.space, context.model, context.families, self.room, context.scenarios, self.compiled
+            )
         return self._program
 
     def set_limits(self, limits: tuple[Limit, ...]) -> None:

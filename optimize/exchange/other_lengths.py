@@ -22,7 +22,7 @@ from linkwright.core.sections.numeric import Array
 
 from .design import LENGTH, DesignSpace, arm_of, numeric_beams
 from .exchange import Context
-from .program import anchored
+from .totals import anchored
 
 _LOOKED_AT = 24
 """Lengths spread over those allowed, beside the design's own in other orders."""

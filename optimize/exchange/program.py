@@ -13,38 +13,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, field, replace
-from types import MappingProxyType
+from dataclasses import dataclass
 from typing import Any
 
 import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.arm.chain.prices import fixed_price, price_by_length
 from linkwright.core.arm.errors.model import ErrorModel
-from linkwright.core.arm.evaluation import heaviest_carried
-from linkwright.core.arm.figures import Cut, Held, Limit, OfDesign, PoseFamily, Totals
+from linkwright.core.arm.figures import Cut, Limit, PoseFamily
 from linkwright.core.arm.worst.search import WorstPose
 from linkwright.core.arm.worst.workspace import climbing_bounds, joint_box
 from linkwright.core.optimize.problem import Problem
-from linkwright.core.units.quantities import InputError
 
 from .binding_poses import ErrorCut, Pool, Room
-from .design import MATERIAL_FIELDS, DesignSpace, expressions
-from .rows import (
-    FLOOR_MM2,
-    MM,
-    Rows,
-    error_parameters,
-    error_rows,
-    filled,
-    limit_rows,
-    pose_rows,
-    shape_rows,
-    symbol,
-)
-from .scenarios import Scenarios, scenario_column
+from .compiled import Compiled, Families, assembled, core_of, link_functions, numbers_of
+from .design import MATERIAL_FIELDS, DesignSpace
+from .expressions import LINK_FIELDS
+from .rows import FLOOR_MM2, MM, error_parameters, filled
+from .scenarios import Scenarios
+from .totals import anchored, drives_cost, fixed_error
 
 Array = NDArray[np.float64]
 
@@ -53,8 +41,8 @@ _ROUNDED = 1e-9
 """By how much a row that nothing moves may be broken: what a section may be off by, too."""
 _FARTHEST = 30.0
 """How far (in its logarithm) a limit can be pushed, or can give way."""
-_GIVEN, _SMOOTH = 0.5, 1e-7
-"""Where the slacks of limits that may give way start, and what rounds the corner of one that may give either way."""
+_GIVEN = 0.5
+"""Where the slacks of limits that may give way start."""
 _PRESSING = 1e-7
 """A pose whose multiplier is below this does not hold the design."""
 ROUNDINGS = (3e-2, 1e-3, 2e-5)
@@ -137,39 +125,6 @@ class Solution:
     infeasible: bool = False
     """Found without a design although limits might give way, or broken whatever the design is: more than a failure of
     the solver."""
-    multipliers: Mapping[str, Array] = field(default_factory=lambda: MappingProxyType({}))
-    """The multipliers of the rows, block by block: `errors`, `own` and each family's; see `Program.slotted`."""
-
-
-def carried_mass(problem: Problem) -> float:
-    """The mass (kg) that counts in `total_mass` beside that of the links: joints, motors, what hangs on links, and the
-    heaviest payload."""
-    return heaviest_carried(problem.arm, problem.load_cases)
-
-
-def drives_cost(problem: Problem) -> float:
-    """What of the arm's cost (EUR) neither sections nor lengths decide: drives, rigid links, work by the part; raises
-    `InputError` where the problem asks for a cost and one of these has no price."""
-    total, lacking = fixed_price(problem.arm)
-    if lacking and problem.needs("cost"):
-        raise InputError(problem.file, "cost", f"{lacking}; `cost` in the arm file gives one")
-    return 0.0 if lacking else total
-
-
-def unchosen_cost(problem: Problem) -> float:
-    """`drives_cost` with the work by the metre on links whose lengths stay as they are, EUR."""
-    elastic = sum(link.length for link in problem.arm.links if link.section is not None)
-    return drives_cost(problem) + price_by_length(problem.arm) * elastic
-
-
-def anchored(space: DesignSpace) -> bool:
-    """Whether poses must follow the design: the workspace is fixed in space and the lengths are free."""
-    return space.free_lengths and space.problem.workspace.in_space
-
-
-def fixed_error(model: ErrorModel) -> float:
-    """The part of the worst error (m) that no design changes: in the plane the clearances add up, whatever the pose."""
-    return float(model.cases[0].radii.sum()) if model.planar and model.arm.play == "worst" else 0.0
 
 
 def cut_of(model: ErrorModel, pose: WorstPose) -> ErrorCut:
@@ -188,14 +143,6 @@ def groups_of(problem: Problem, families: Sequence[PoseFamily[Any]]) -> dict[str
     return {family.name: family.groups(problem) for family in families}
 
 
-def _sizes(limits: Sequence[Limit], slack: Any) -> Any:
-    """How far each limit gives way, smooth where it may give either way."""
-    sizes = [
-        ca.sqrt(slack[k] ** 2 + _SMOOTH**2) if limit.relation == "==" else slack[k] for k, limit in enumerate(limits)
-    ]
-    return ca.vertcat(*sizes) if sizes else ca.SX(0, 1)
-
-
 class Program:
     """The compiled finite problem for one combination of shapes, with room for a number of poses."""
 
@@ -203,95 +150,61 @@ class Program:
         self,
         space: DesignSpace,
         model: ErrorModel,
-        families: Sequence[tuple[PoseFamily[Any], Any]],
+        families: Families,
         room: Room,
         scenarios: Scenarios | None = None,
+        compiled: Compiled | None = None,
     ) -> None:
         """`families`: those that hold a limit, with what they prepared; `room`: how many binding poses of each kind
-        there is room for; `scenarios`: what the error is held for instead of the arm as it is."""
+        there is room for; `scenarios`: what the error is held for instead of the arm as it is; `compiled`: what other
+        combinations of the same problem have compiled."""
+        compiled = Compiled() if compiled is None else compiled
         self.space, self.room = space, room
         self.model = model if scenarios is None else scenarios.model
-        self._groups = len(model.cases) * (1 if scenarios is None else len(scenarios.held))
         self.pose_families = tuple(family for family, _ in families)
-        problem = space.problem
-        levels = symbol("level", len(problem.limits))
-        limits = tuple(replace(limit, value=levels[k]) for k, limit in enumerate(problem.limits))
         self._anchored = anchored(space)
         self._cornered = any(case.zones for case in model.cases)
-        x, y, slack = symbol("x", len(space.variables)), symbol("y"), symbol("slack", len(limits))
-        materials, weights = symbol("material", len(MATERIAL_FIELDS) * problem.arm.size), symbol("weight", 2)
-        pushed, elastic = symbol("pushed", len(limits)), symbol("elastic", len(limits))
-        design = expressions(space, x, materials)
-        design = replace(design, cost=design.cost + drives_cost(problem))
         self.fixed_error = fixed_error(model)
-        floor = symbol("floor")
-        worst = self.fixed_error + ca.exp(y) * ca.sqrt(ca.fmax(1.0 - floor * ca.exp(-2.0 * y), 1e-12)) / MM
-        rounding = symbol("rounding")
-        columns = [design.beam_column]
-        if scenarios is not None:
-            columns = [scenario_column(space.problem.arm, design, scenario) for scenario in scenarios.held]
-        errors = error_rows(
-            self.model, design, columns, y, room.errors, floor, rounding=rounding, anchored=self._anchored
-        )
-        held = Held(limits, slack)
-        by_pose = {
-            family.name: pose_rows(
-                family, prepared, problem.arm.size, held, design, room.slots(family.name, family.groups(problem))
-            )
-            for family, prepared in families
-        }
-        of_design, equal = limit_rows(held, design, worst, carried_mass(problem) + design.hung)
-        shapes = shape_rows(space, design)
-        sides = Rows(errors.sides)
-        blocks = {"errors": errors, **by_pose, "design": of_design, "shapes": shapes, "sides": sides}
-        self._blocks = blocks
-        rows = [row for block in blocks.values() for row in block.rows]
-        self._lower = np.full(len(rows) + len(errors.equalities), -np.inf)
-        self._lower[len(rows) :] = 0.0
-        self._equal_from = len(rows)
+        core = core_of(compiled, space, model, families, room, scenarios)
+        self._links = [link_functions(compiled, space, link, core) for link in range(len(space.shapes))]
+        problem = assembled(space, core, self._links)
+        self._limits = {name: block.limits for name, block in core.blocks.items()}
         self._place: dict[str, slice] = {}
         start = 0
-        for name, block in blocks.items():
+        for name, block in core.blocks.items():
             self._place[name] = slice(start, start + len(block.rows))
             start += len(block.rows)
-        self._lower[self._place["design"]] = np.where(equal, 0.0, -np.inf)
-        follows, objective = problem.objective.follows, y
-        if isinstance(follows, OfDesign):
-            totals = Totals(design.mass, design.cost, design.reach, carried_mass(problem) + design.hung)
-            objective = ca.log(ca.SX(follows.value(totals)))
-        parameters = [materials, weights, pushed, elastic, levels, floor, rounding, *errors.parameters]
-        parameters += [parameter for block in by_pose.values() for parameter in block.parameters]
-        every = [*rows, *errors.equalities]
-        program = {
-            "x": ca.vertcat(x, y, slack, *errors.unknowns),
-            "p": ca.vertcat(*parameters),
-            "f": weights[0] * objective
-            + weights[1] * (ca.sumsqr(slack) + 1e-3 * ca.sum1(ca.fabs(slack)))
-            + ca.dot(pushed, slack)
-            + ca.dot(elastic, _sizes(limits, slack)),
-            "g": ca.vertcat(*every) if every else ca.SX(0, 1),
-        }
-        self._solver = ca.nlpsol("design", "ipopt", program, ipopt_options())
-        self._rows = self._solver.get_function("nlp_jac_g")
+        count = int(problem.program["g"].numel())
+        self._lower = np.full(count, -np.inf)
+        self._lower[self._place["design"]] = np.where(core.equal, 0.0, -np.inf)
+        self._equal_from = start
+        self._lower[start : start + core.equalities] = 0.0
+        start += core.equalities
+        self._of_links: list[int] = []
+        self._shapes: dict[str, int] = {}
+        """Which rows are limits on links, with `_limits`, and which make sections possible."""
+        self._limits["links"] = []
+        for link, functions in enumerate(self._links):
+            self._limits["links"] += functions.limits
+            self._of_links += range(start, start + len(functions.limits))
+            start += len(functions.limits)
+            for text in functions.labels:
+                self._shapes[f"link {link + 1}: {text}"] = start
+                start += 1
+        self.solver: Any = ca.nlpsol("design", "ipopt", problem.program, {**ipopt_options(), **problem.given})
+        self._rows = self.solver.get_function("nlp_jac_g")
         self._moving = np.array(self._rows.sparsity_out("jac_g_x").get_triplet(), dtype=int)
-        self._figures = ca.Function("figures", [x, materials], [design.beam_column, design.strength_column])
-        squares = [ca.exp(row + 2.0 * y) - floor for row in errors.rows]
-        self._squares = ca.Function(
-            "squares",
-            [x, ca.vertcat(*errors.unknowns), ca.vertcat(*parameters)],
-            [ca.vertcat(*squares) if squares else ca.SX(0, 1)],
-        )
-        self._mass = ca.Function("mass", [x, materials], [design.mass, design.cost, design.reach])
-
-    def figures(self, x: Array, materials: Array) -> tuple[Array, Array]:
-        """Beam values and strength values of a design."""
-        beam, strength = self._figures(x, materials)
-        return np.array(beam).ravel(), np.array(strength).ravel()
 
     def mass_cost_reach(self, x: Array, materials: Array) -> tuple[float, float, float]:
         """The links' mass (kg), their cost (EUR) and the reach (m) of a design."""
-        mass, cost, reach = self._mass(x, materials)
-        return float(mass), float(cost), float(reach)
+        column = LINK_FIELDS.index
+        slacks, width = np.zeros(len(self.space.problem.limits)), len(MATERIAL_FIELDS)
+        totals = np.array([0.0, drives_cost(self.space.problem), 0.0])
+        for link, functions in enumerate(self._links):
+            own = np.concatenate([np.asarray(x)[numbers_of(self.space, link)], slacks])
+            brought = np.array(functions.value(own, materials[width * link : width * (link + 1)], slacks + 1.0)[0])
+            totals += brought.ravel()[[column("mass"), column("cost"), column("length")]]
+        return float(totals[0]), float(totals[1]), float(totals[2])
 
     def solve(self, start: Array, materials: Array, pool: Pool, ask: Ask = BEST, *, error: float = 1e-3) -> Solution:
         """The best design for a pool of poses, from a start with about that error (m), or what else is asked for.
@@ -347,27 +260,25 @@ class Program:
             row = np.array(self._rows(x0, p)[0]).ravel()[settled]
             broken = not bool(np.all((row >= low[settled] - _ROUNDED) & (row <= high[settled] + _ROUNDED)))
             low, high = np.where(settled, -np.inf, low), np.where(settled, np.inf, high)
-        result = self._solver(x0=x0, p=p, lbx=lbx, ubx=ubx, lbg=low, ubg=high)
-        stats = self._solver.stats()
+        result = self.solver(x0=x0, p=p, lbx=lbx, ubx=ubx, lbg=low, ubg=high)
+        stats = self.solver.stats()
         point = np.array(result["x"]).ravel()
         multipliers = np.array(result["lam_g"]).ravel()
         size = len(lower)
         poses = point[size + 1 + count :]
-        shapes = multipliers[self._place["shapes"]]
         return Solution(
             x=np.clip(point[:size], lower, upper),
             error=self.fixed_error + _without_floor(min(float(point[size]), 60.0), squared) / MM,
             solved=bool(stats["success"]) and not broken,
             limit_prices=tuple(self._limit_prices(multipliers)),
             bound_prices=np.array(result["lam_x"]).ravel()[:size],
-            shape_prices=tuple(zip(self._blocks["shapes"].labels, shapes.tolist(), strict=True)),
+            shape_prices=tuple((label, float(multipliers[place])) for label, place in self._shapes.items()),
             slacks=tuple(point[size + 1 : size + 1 + count].tolist()),
             active=self._active(multipliers, errors, held),
             message=str(stats["return_status"]),
             strayed=self._strayed(poses),
             infeasible=broken,
             turned=bool(np.any((np.abs(poses - unknowns) > 0.999 * ask.turn) & ~self._at_will(errors))),
-            multipliers=MappingProxyType({name: multipliers[place] for name, place in self._place.items()}),
         )
 
     def _settled(self, fixed: NDArray[np.bool_]) -> NDArray[np.bool_]:
@@ -397,7 +308,8 @@ class Program:
         values, unknowns = self._pose_values(*self.slotted(pool))
         count = len(self.space.problem.limits)
         fixed = [*materials, 1.0, 0.0, *[0.0] * (2 * count), *[1.0] * count, FLOOR_MM2, ROUNDINGS[-1]]
-        squares = np.array(self._squares(x, unknowns, [*fixed, *values])).ravel()
+        rows = self._rows([*x, 0.0, *[0.0] * count, *unknowns], [*fixed, *values])[0]
+        squares = np.exp(np.array(rows).ravel()[self._place["errors"]]) - FLOOR_MM2
         return math.sqrt(max(float(squares.max(initial=0.0)), 0.0)) / MM
 
     def _turns(self, errors: Sequence[ErrorCut], q: Array, turn: float) -> tuple[Array, Array]:
@@ -463,7 +375,8 @@ class Program:
     def _limit_prices(self, multipliers: Array) -> list[float]:
         prices = [0.0] * len(self.space.problem.limits)
         slopes = {family.name: family.slope for family in self.pose_families}
-        for name in ("design", *slopes):
-            for number, value in zip(self._blocks[name].limits, multipliers[self._place[name]], strict=True):
+        places = {**self._place, "links": self._of_links}
+        for name in ("design", "links", *slopes):
+            for number, value in zip(self._limits[name], multipliers[places[name]], strict=True):
                 prices[number] += slopes.get(name, 1.0) * float(value)
         return prices

@@ -24,7 +24,7 @@ from linkwright.core.arm.figures import (
     WorstError,
 )
 from linkwright.core.optimize.exchange.binding_poses import ErrorCut
-from linkwright.core.optimize.exchange.design import DesignSpace
+from linkwright.core.optimize.exchange.expressions import LinkExpressions
 from linkwright.core.optimize.reading.ranges import Ranges
 from linkwright.core.sections import Section
 from linkwright.core.sections.numeric import column_of_symbols
@@ -166,57 +166,54 @@ def pose_rows(
 
 
 def limit_rows(held: Held, design: DesignExpressions, error: Any, carried: float) -> tuple[Rows, list[bool]]:
-    """The limits on figures of the design itself, as ratios or their logarithms; and which of the rows are
-    equalities. Numbers of kinds are no rows: combinations that have too many are not tried."""
+    """The limits on figures of all links together, as logarithms of ratios; and which of the rows are equalities.
+    Numbers of kinds are no rows: combinations that have too many are not tried."""
     totals = Totals(design.mass, design.cost, design.reach, carried)
     out = Rows()
     equal: list[bool] = []
     for number, limit in enumerate(held.limits):
         follows = limit.figure.follows
-        ratios: list[Any] = []
-        if isinstance(follows, OfLinks):
-            ratios = _link_rows(limit, follows, held.slack[number], design)
-        elif not isinstance(follows, ThroughPoses | OfKinds):
-            value = error if isinstance(follows, WorstError) else follows.value(totals)
-            ratio = ca.log(ca.SX(value) / limit.value)
-            # Two one-sided rows would have no interior; an equality takes a slack of either sign.
-            ratios = [(-ratio if limit.relation == ">=" else ratio) - held.slack[number]]
-        out.rows += ratios
-        out.limits += [number] * len(ratios)
-        equal += [limit.relation == "=="] * len(ratios)
+        if isinstance(follows, OfLinks | ThroughPoses | OfKinds):
+            continue
+        value = error if isinstance(follows, WorstError) else follows.value(totals)
+        ratio = ca.log(ca.SX(value) / limit.value)
+        # Two one-sided rows would have no interior; an equality takes a slack of either sign.
+        out.rows.append((-ratio if limit.relation == ">=" else ratio) - held.slack[number])
+        out.limits.append(number)
+        equal.append(limit.relation == "==")
     return out, equal
 
 
-def _link_rows(limit: Limit, follows: OfLinks, slack: Any, design: DesignExpressions) -> list[Any]:
-    """A row for each value of each link; what is not known of a link cannot be held."""
+def link_rows(limit: Limit, slack: Any, link: int, design: LinkExpressions) -> list[Any]:
+    """A row for each value that a limit holds of a link; what is not known of a link cannot be held."""
+    section, material, follows = design.section, design.material, limit.figure.follows
+    if section is None or material is None or not isinstance(follows, OfLinks):
+        return []
+    log_taper = design.beam.log_taper
+    tapered = isinstance(log_taper, ca.SX) and not log_taper.is_constant()
+    ends = (section, section.scaled(ca.exp(log_taper))) if tapered else (section,)
     rows: list[Any] = []
-    for link, (section, material) in enumerate(zip(design.sections, design.materials, strict=True)):
-        if section is None or material is None:
-            continue
-        log_taper = design.beams[link].log_taper
-        tapered = isinstance(log_taper, ca.SX) and not log_taper.is_constant()
-        ends = (section, section.scaled(ca.exp(log_taper))) if tapered else (section,)
-        # Not in logarithms: a wall may be as thick as it is wide, and its slenderness nothing.
-        for value in (value for end in ends for value in follows.values(end, material) or ()):
-            ratio = ca.SX(value) / (limit.value * limit.share(link))
-            rows.append(ca.exp(-slack) - ratio if limit.relation == ">=" else ratio - ca.exp(slack))
+    # Not in logarithms: a wall may be as thick as it is wide, and its slenderness nothing.
+    for value in (value for end in ends for value in follows.values(end, material) or ()):
+        ratio = ca.SX(value) / (limit.value * limit.share(link))
+        rows.append(ca.exp(-slack) - ratio if limit.relation == ">=" else ratio - ca.exp(slack))
     return rows
 
 
-def shape_rows(space: DesignSpace, design: DesignExpressions) -> Rows:
-    """What makes each section possible, and bounds on dimensions that are no variables."""
+def shape_rows(design: LinkExpressions, ranges: Ranges) -> Rows:
+    """What makes a link's section possible, and bounds on dimensions that are no variables."""
     out = Rows()
-    for link, (section, ranges) in enumerate(zip(design.sections, space.problem.ranges, strict=True)):
-        if section is None:
-            continue
-        for constraint in (*section.constraints(), *section.bound_constraints(*ranges.sizes)):
-            value = ca.SX(constraint.value)
-            if not value.is_constant():
-                out.rows.append(value)
-                out.labels.append(f"link {link + 1}: {constraint.text}")
-        for constraint in far_constraints(section, design.beams[link].log_taper, ranges):
-            out.rows.append(ca.SX(constraint.value))
-            out.labels.append(f"link {link + 1}: {constraint.text}")
+    section = design.section
+    if section is None:
+        return out
+    for constraint in (*section.constraints(), *section.bound_constraints(*ranges.sizes)):
+        value = ca.SX(constraint.value)
+        if not value.is_constant():
+            out.rows.append(value)
+            out.labels.append(constraint.text)
+    for constraint in far_constraints(section, design.beam.log_taper, ranges):
+        out.rows.append(ca.SX(constraint.value))
+        out.labels.append(constraint.text)
     return out
 
 

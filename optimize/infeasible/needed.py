@@ -273,7 +273,8 @@ class _Trial:
     ) -> None:
         self.context, self.pick = context, pick
         if pick.shapes not in exchanges:
-            exchanges[pick.shapes] = Exchange(context, design_space(context.problem, pick.shapes))
+            compiled = next((item.compiled for item in exchanges.values()), None)
+            exchanges[pick.shapes] = Exchange(context, design_space(context.problem, pick.shapes), compiled)
         self.exchange = exchanges[pick.shapes]
         self.materials = material_row(pick.materials, context.problem)
         self.pool = pool

@@ -31,7 +31,8 @@ from linkwright.core.optimize.balance.balance import with_least_counterweights
 from linkwright.core.optimize.choice.picks import options
 from linkwright.core.optimize.choice.pose_products import one_signed
 from linkwright.core.optimize.exchange.design import with_chosen_links
-from linkwright.core.optimize.exchange.program import carried_mass, cut_of, drives_cost, fixed_error
+from linkwright.core.optimize.exchange.program import cut_of
+from linkwright.core.optimize.exchange.totals import carried_mass, drives_cost, fixed_error
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections import SHAPES
 from linkwright.core.sections.numeric import Array

@@ -19,7 +19,7 @@ from linkwright.core.arm.figures.local_buckling import values_of
 from linkwright.core.arm.figures.strength import STRENGTH_FIELDS, strength_values
 from linkwright.core.arm.limits.wall_modes import Mode, modes_of
 from linkwright.core.optimize.choice.agreement import within
-from linkwright.core.optimize.exchange.program import carried_mass, drives_cost
+from linkwright.core.optimize.exchange.totals import carried_mass, drives_cost
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.rounding.options import Option
 from linkwright.core.sections.numeric import Array

@@ -20,6 +20,7 @@ from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.optimize.choice.combinations import MOST_COMBINATIONS
 from linkwright.core.optimize.choice.picks import Combination, combinations, count, one_link_changed, uniform
 from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
+from linkwright.core.optimize.exchange.compiled import Compiled
 from linkwright.core.optimize.exchange.design import design_space, material_row, starting_points
 from linkwright.core.optimize.exchange.exchange import Context, Exchange, Exchanged, context_of, first_pool
 from linkwright.core.optimize.problem import Problem
@@ -76,6 +77,7 @@ class Search:
         self.picks = combinations(problem) if self.exhaustive else uniform(problem)
         self._large: dict[tuple[str | None, ...], Exchange] = {}
         self._small: dict[tuple[str | None, ...], Exchange] = {}
+        self._compiled = Compiled()
         self._met = Pool()
         self._first: Pool | None = None
         self._corners: dict[Combination, list[Corner]] = {}
@@ -133,7 +135,7 @@ class Search:
         cache = self._small if small else self._large
         exchange = cache.pop(shapes, None)
         if exchange is None:
-            exchange = Exchange(self.context, design_space(self.problem, shapes))
+            exchange = Exchange(self.context, design_space(self.problem, shapes), self._compiled)
             if len(cache) >= (_KEPT_SMALL if small else _KEPT):
                 cache.pop(next(iter(cache)))
         cache[shapes] = exchange

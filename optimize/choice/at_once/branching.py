@@ -23,7 +23,7 @@ from linkwright.core.optimize.choice.picks import Combination, agreeing, option_
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.design import arm_of, design_space, material_row, numeric_beams, starting_points
 from linkwright.core.optimize.exchange.exchange import first_pool
-from linkwright.core.optimize.exchange.program import carried_mass
+from linkwright.core.optimize.exchange.totals import carried_mass
 from linkwright.core.sections.numeric import Array
 
 from .cells import link_cells

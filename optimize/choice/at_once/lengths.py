@@ -19,7 +19,7 @@ from linkwright.core.optimize.choice.pose_products import error_vectors, feature
 from linkwright.core.optimize.choice.products import Power
 from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
 from linkwright.core.optimize.exchange.exchange import Context
-from linkwright.core.optimize.exchange.program import carried_mass, drives_cost, fixed_error
+from linkwright.core.optimize.exchange.totals import carried_mass, drives_cost, fixed_error
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections.numeric import Array
 

@@ -30,7 +30,7 @@ from linkwright.core.optimize.choice.pose_products import (
 from linkwright.core.optimize.choice.products import Power, Products
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.exchange import Context
-from linkwright.core.optimize.exchange.program import carried_mass, fixed_error, unchosen_cost
+from linkwright.core.optimize.exchange.totals import carried_mass, fixed_error, unchosen_cost
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections.numeric import Array
 

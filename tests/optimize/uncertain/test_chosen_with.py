@@ -10,7 +10,8 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize_scalar
 
-from linkwright.core.optimize.exchange.design import arm_of, design_space, expressions, material_row, starting_points
+from linkwright.core.optimize.exchange.design import arm_of, design_space, material_row, starting_points
+from linkwright.core.optimize.exchange.expressions import expressions
 from linkwright.core.optimize.exchange.scenarios import scenario_column, scenario_values
 from linkwright.core.optimize.robust.search import robust_figure
 from linkwright.core.optimize.run import optimise

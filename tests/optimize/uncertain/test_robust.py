@@ -18,7 +18,8 @@ from linkwright.command_line import outcome
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.worst.search import WorstSearch
-from linkwright.core.optimize.exchange.design import arm_of, design_space, expressions, material_row, starting_points
+from linkwright.core.optimize.exchange.design import arm_of, design_space, material_row, starting_points
+from linkwright.core.optimize.exchange.expressions import expressions
 from linkwright.core.optimize.exchange.scenarios import resized, scenario_column, scenario_values
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import OptimizationResult
