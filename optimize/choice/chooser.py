@@ -35,7 +35,7 @@ from linkwright.core.optimize.exchange.design import (
 from linkwright.core.optimize.exchange.exchange import GAINED, Context, Exchange, Exchanged, badness_of, first_pool
 from linkwright.core.optimize.exchange.other_lengths import other_lengths, share_unreached, with_lengths
 from linkwright.core.optimize.exchange.program import Ask, Program, Solution
-from linkwright.core.optimize.exchange.rescue import solved
+from linkwright.core.optimize.exchange.rescue import breaks_limits, solved
 from linkwright.core.optimize.exchange.totals import carried_mass
 from linkwright.core.optimize.result import Candidate, Iteration
 
@@ -174,6 +174,11 @@ class Chooser:
         for pick in picks:
             if self.ruled_out(pick):
                 continue
+            if self._some_infeasible:
+                # Poses of its own take long to find: those of one that fails are enough to see that others do.
+                solved = self.solve_unless_ruled_out(pick)
+                if solved is None or (solved.solution is None and not solved.unsolved):
+                    continue
             exchange = self._exchange(pick.shapes)
             materials = material_row(pick.materials, self.context.problem)
             unsolved = False
@@ -381,12 +386,10 @@ class Chooser:
         pool = self.pool = self.pool or first_pool(self.context, exchange.space, starts[0], pick.materials)
 
         def answered() -> Answer:
-            alone = _alone(exchange, materials, pool, starts)
-            if not explain or alone.solution is not None or alone.unsolved:
+            alone = _alone(exchange, materials, pool, starts, doubtful=self._some_infeasible)
+            if not explain or alone.solution is not None or alone.unsolved or alone.relaxed is not None:
                 return alone
-            program = exchange.program(pool, spare=False)
-            ask = Ask(self.context.problem.limits, relax=True)
-            return replace(alone, relaxed=program.solve(starts[0], materials, pool, ask))
+            return replace(alone, relaxed=exchange.breach(materials, pool, starts[0]))
 
         answer, _ = self._known("solve", pick, exchange, (explain,), answered)
         if answer.solution is None:
@@ -397,12 +400,16 @@ class Chooser:
         """What a combination comes to for the pool alone from one start."""
         pool = self.pool
         assert pool is not None
-        return self._known("start", pick, exchange, (start,), lambda: _alone(exchange, materials, pool, [start]))[0]
+
+        def answered() -> Answer:
+            return _alone(exchange, materials, pool, [start], doubtful=self._some_infeasible)
+
+        return self._known("start", pick, exchange, (start,), answered)[0]
 
     @property
-    def some_impossible(self) -> bool:
-        """Whether combinations are known that cannot keep the limits, so that there may be many."""
-        return self.feasibility is not None and bool(self.feasibility.impossible.any())
+    def _some_infeasible(self) -> bool:
+        """Whether a combination was seen to keep the limits nowhere, so that others may not either."""
+        return any(candidate.outcome == "infeasible" for candidate in self.candidates.values())
 
     @property
     def undecided(self) -> bool:
@@ -525,8 +532,20 @@ class Chooser:
             improved = self.objective < before * (1.0 - 1e-6)
 
 
-def _alone(exchange: Exchange, materials: Array, pool: Pool, starts: Sequence[Array]) -> Answer:
-    """What a combination comes to for a pool alone, from one start after another until there is a solution."""
+def _alone(exchange: Exchange, materials: Array, pool: Pool, starts: Sequence[Array], *, doubtful: bool) -> Answer:
+    """What a combination comes to for a pool alone, from one start after another until there is a solution.
+
+    Where it is `doubtful` that there is one, it is asked first how little the limits must give way, from each start: a
+    solver takes ten times as long to give up.
+    """
+    if doubtful:
+        for start in starts:
+            relaxed = exchange.breach(materials, pool, start)
+            if not breaks_limits(relaxed):
+                break
+        else:
+            assert exchange.room is not None
+            return Answer(exchange.room, None, None, False, relaxed)
     result, unsolved = None, False
     for start in starts:
         result = exchange.bound(materials, pool, start)

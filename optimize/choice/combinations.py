@@ -27,7 +27,7 @@ Array = NDArray[np.float64]
 MOST_COMBINATIONS = 1000
 """Up to this many combinations every one is tried where none that is solved bounds the others."""
 MOST_EACH = 200
-"""Up to this many all are solved for the binding poses where one does; of more, those that the others' bounds leave."""
+"""Up to this many all are solved for the binding poses; of more, those that the others' bounds leave."""
 _FEW = 24
 """Up to this many it is not asked first whether any can keep the limits."""
 
@@ -161,12 +161,9 @@ class _Search:
         # With lengths to choose all are bounded at once, which leaves much open and points at few of them.
         if count(problem) <= (MOST_COMBINATIONS if problem.free_lengths else MOST_EACH):
             picks = combinations(problem)
-            picks = possible(chooser, picks) if len(picks) > _FEW else picks
-            # What cannot keep the limits takes longest to solve.
-            self.exhaustive = not picks or not chooser.some_impossible
-            if self.exhaustive:
-                chooser.try_all(picks)
-        if not self.exhaustive:
+            chooser.try_all(possible(chooser, picks) if len(picks) > _FEW else picks)
+            self.exhaustive = True
+        else:
             self.among = among_many(chooser)
             self.gap = self.among.gap
             if self.gap is None and count(problem) <= MOST_COMBINATIONS:

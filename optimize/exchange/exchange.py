@@ -217,6 +217,11 @@ class Exchange:
             return None
         return solution, self.objective(program, solution, materials, push)
 
+    def breach(self, materials: Array, pool: Pool, start: Array) -> Solution:
+        """The solution for the pool alone in which the limits give way as little as they must."""
+        program = self.program(pool, spare=False)
+        return program.solve(start, materials, pool, Ask(self.context.problem.limits, relax=True, turn=20.0))
+
     def objective(self, program: Program, solution: Solution, materials: Array, push: int | None) -> float:
         """What a solution makes least: the objective (SI), or the badness of the limit that is pushed."""
         if push is None:

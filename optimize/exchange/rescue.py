@@ -37,10 +37,15 @@ def solved(program: Program, start: Array, materials: Array, pool: Pool, ask: As
     relaxed = program.solve(start, materials, pool, replace(ask, push=None, relax=True))
     if not relaxed.solved:
         return first
-    if any(abs(slack) > _KEPT for slack in relaxed.slacks):
+    if breaks_limits(relaxed):
         return replace(first, infeasible=True)
     gentle = _smoothly(program, relaxed.x, materials, pool, ask)
     return first if gentle is None else gentle
+
+
+def breaks_limits(relaxed: Solution) -> bool:
+    """Whether a solution in which limits give way as little as they can breaks one."""
+    return relaxed.solved and any(abs(slack) > _KEPT for slack in relaxed.slacks)
 
 
 def _smoothly(program: Program, start: Array, materials: Array, pool: Pool, ask: Ask) -> Solution | None:
