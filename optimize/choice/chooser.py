@@ -455,7 +455,9 @@ class Chooser:
             if pick not in self.candidates:
                 self.note(pick, objective, "bounded out")
             return None
-        if pick not in self.candidates or objective < (self.candidates[pick].objective or math.inf):
+        known = self.candidates.get(pick)
+        # What it was bounded by, for fewer poses, is below what it comes to.
+        if known is None or known.outcome != "solved" or objective < (known.objective or math.inf):
             self.note(pick, objective, "solved")
         if objective < self.objective * (1.0 - GAINED):
             self.best = (pick, exchange.space, materials, exchange, done, objective)

@@ -3,7 +3,6 @@ a difference that no workshop sees."""
 
 from __future__ import annotations
 
-import itertools
 from collections.abc import Iterator
 from dataclasses import dataclass
 
@@ -23,8 +22,6 @@ _MOST_TRIED = 300
 """So many are solved for the binding poses alone, to see whether they come near."""
 _IN_VAIN = 20
 """After so many that have no solution no more of millions are tried: each costs as much as several that have one."""
-_TOGETHER = 40
-"""So many of the most promising are solved in the order of their shapes, for one program serves all of a kind."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +76,7 @@ class _Search:
         self.chooser, self.among = chooser, among
         self.solved: dict[Combination, tuple[float, Arm]] = {}
         self.failed = False
-        self.tried = self._waiting = self._in_vain = 0
+        self.tried = self._in_vain = 0
         self._promising = self._most_promising()
 
     @property
@@ -89,21 +86,15 @@ class _Search:
 
     def left(self) -> int:
         """How many more could come near that were not solved."""
-        return self._waiting + next((more + 1 for _, more in self._promising), 0)
+        return next((more + 1 for _, more in self._promising), 0)
 
     def run(self) -> None:
         """Solve the most promising."""
-        while True:
-            room = min(_TOGETHER, _MOST_TRIED - self.tried, MOST_SOLVED - len(self.solved))
-            together = list(itertools.islice(self._promising, max(room, 0)))
-            if not together:
+        while self._in_vain < _IN_VAIN and self.tried < _MOST_TRIED and len(self.solved) < MOST_SOLVED:
+            item = next(self._promising, None)
+            if item is None:
                 return
-            self._waiting = len(together)
-            for pick, _ in sorted(together, key=lambda item: [str(shape) for shape in item[0].shapes]):
-                if self._in_vain >= _IN_VAIN:
-                    return
-                self._solve(pick, together[-1][1])
-                self._waiting -= 1
+            self._solve(*item)
 
     def _solve(self, pick: Combination, more: int) -> None:
         chooser = self.chooser
