@@ -27,12 +27,14 @@ class EditedPage(Asking):
 
     def __init__(self, desk: Desk, asks: str, kind: Kind, title: str, lead: str) -> None:
         super().__init__(desk, asks)
+        self._known_as = ""
+        """The file that the page tells of beside the fields."""
         with framed(title, lead), sides() as (left, right):
             with left:
                 self._choice = FileChoice(desk, kind, self._check)
             with right:
                 self._problem = Problem()
-                with panel():
+                with panel() as self._known:
                     self._line = ui.label().classes("lw-done")
                     self._asked()
                 self._answers()
@@ -76,7 +78,11 @@ class EditedPage(Asking):
         self._problem.say("" if wrong is None else str(wrong))
         self._choice.editor.mark(wrong)
         self._ask.enabled = wrong is None
+        name = self._now()[0]
+        self._known.visible = wrong is None or self._known_as == name  # what is known of one file is not another's
+        self._known.classes(add="" if wrong is None else "lw-stale", remove="lw-stale" if wrong is None else "")
         if wrong is None:
+            self._known_as = name
             self._line.text = repr(read)[1:-1]
             await self._look_at(read)
 
@@ -133,6 +139,7 @@ class ProblemPage(EditedPage):
 
     async def _look_at(self, read: Any) -> None:
         arm = read.model.arm
+        self._choice.editor.draw(arm)
         self._picture.content = await asyncio.to_thread(at_pose, arm, middle(arm))
 
     def _question(self, name: str, text: str) -> tuple[str, Mapping[str, bytes], Mapping[str, Any]]:

@@ -99,9 +99,9 @@ async def _show(desk: Desk, result: Kept, answer: Answer) -> None:
             for name in (name for name in names if "/" not in name and name not in _OWN):
                 ui.link(name, answer.address(name)).props["download"] = f"{answer.number}-{name}"
             if answer.place == "kept":
-                ui.link("all of it", answer.address("")).props["download"] = f"{answer.number}-linkwright.zip"
+                ui.link("all files (zip)", answer.address("")).props["download"] = f"{answer.number}-linkwright.zip"
             if "report.html" in names:
-                ui.link("report in a window of its own", answer.address("report.html") + "?view=1", new_tab=True)
+                ui.link("report in its own window", answer.address("report.html") + "?view=1", new_tab=True)
         if answer.place == "kept":
             _named(desk, result)
         if "arm.yaml" in names:

@@ -83,8 +83,9 @@ def to_choose(place: Place) -> list[str]:
         "minimize": lw.limits,
         "maximize": lw.limits,
     }
+    name = place[1] if place[0] == "choose" and len(place) == 3 else place[-1]  # choose.section.1 is of one link
     try:
-        return list(catalogues.get(str(place[-1]), ()))
+        return list(catalogues.get(str(name), ()))
     except InputError:  # a catalogue of the user's that cannot be read says so where it is used
         return []
 

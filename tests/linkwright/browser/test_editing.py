@@ -121,6 +121,38 @@ def test_lists_of_a_problem_are_chosen_one_by_one(server, page):
     (server.folder / "example-problem.yaml").unlink()
 
 
+def test_each_link_is_given_its_own_choice(server, page):
+    """By a click; each list is chips again, and another click makes them one."""
+    page.goto(server.url + "optimise")
+    page.get_by_text("least worst error of example arm").wait_for()
+    page.get_by_role("button", name="Section by link").click()
+    second = page.locator(".q-select", has=page.get_by_label("section 2", exact=True))
+    second.get_by_label("Remove").first.press("Enter")
+    page.get_by_label("section 1", exact=True).wait_for()
+    page.get_by_role("button", name="Save", exact=True).click()
+    page.get_by_text("Changes are not saved.").wait_for(state="hidden")
+    problem = lw.read_problem(server.folder / "example-problem.yaml").model
+    assert problem.shapes_of(0) == ("tube", "rectangular_tube")
+    assert len(problem.shapes_of(1)) == 1
+    page.get_by_role("button", name="One section list for all links").click()
+    page.get_by_label("section", exact=True).wait_for()
+    page.get_by_role("button", name="Save", exact=True).click()
+    page.get_by_text("Changes are not saved.").wait_for(state="hidden")
+    (server.folder / "example-problem.yaml").unlink()
+
+
+def test_a_problem_that_is_wrong_shows_no_other(server, page):
+    """Neither its drawing nor its button stay beside another file's fields."""
+    wrong = (server.folder / "example-problem.yaml").read_text(encoding="utf-8") + "\nunknown: 1\n"
+    (server.folder / "wrong.yaml").write_text(wrong, encoding="utf-8")
+    page.goto(server.url + "optimise")
+    page.get_by_text("least worst error of example arm").wait_for()
+    choose(page, "Problem file", "wrong.yaml")
+    page.get_by_role("alert").filter(has_text="wrong.yaml: unknown").wait_for()
+    page.get_by_text("least worst error of example arm").wait_for(state="hidden")
+    (server.folder / "wrong.yaml").unlink()
+
+
 def test_numbers_have_room_beside_relation_and_unit(server, page):
     """`<= 6 kg` on a phone: a number of six digits is read whole."""
     page.goto(f"{server.url}optimise")

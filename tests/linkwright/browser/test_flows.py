@@ -131,6 +131,10 @@ choose: {section: [circle], same: [size, material], material: [aluminium-6061-t6
     assert float(told["mass of the links"].split()[0]) == pytest.approx(result.mass_kg, rel=1e-3)
     assert float(told["worst error"].split()[0]) == pytest.approx(result.max_error_mm, rel=1e-3)
     arm.unlink()
+    page.emulate_media(color_scheme="dark")
+    page.locator("body.body--dark").wait_for()
+    shade = page.locator(".js-plotly-plot .xtick text").first.evaluate("text => getComputedStyle(text).fill")
+    assert min(int(part) for part in re.findall(r"\d+", shade)[:3]) > 150  # read in the dark
 
 
 def _click_until(page, point, seen):

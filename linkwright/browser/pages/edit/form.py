@@ -26,6 +26,8 @@ _VALUE = "Value (leave empty to remove)"
 _LONG = 20
 """Letters of a value that need a wide field."""
 _TYPES = ("revolute", "prismatic")
+_BY_LINK = ("section", "material")
+"""What a problem may choose for each link by itself."""
 _PARTS: Mapping[str, str] = MappingProxyType(
     {"joint": "Joint", "link": "Link", "dh": "Frame (Denavit-Hartenberg)", "origin": "Frame"}
 )
@@ -106,6 +108,36 @@ class Form:
                     below = place[1:] or place
                     label = " ".join(str(step + 1) if isinstance(step, int) else step for step in below)
                     self.field(place, value, label.replace("_", " "), content)
+                    self._say_by_link(place, value, content)
+
+    def _say_by_link(self, place: Place, value: Any, content: Mapping[str, Any]) -> None:
+        """Beside a choice for all links what gives each link its own; beside that of the last link the way back."""
+        if place[0] != "choose" or len(place) < 2 or place[1] not in _BY_LINK:
+            return
+        name = str(place[1])
+        there = content["choose"][name]
+        if isinstance(there, list):
+
+            def turned() -> Any:
+                links = () if self._arm is None else self._arm.links
+                own = [str(number) for number, link in enumerate(links, start=1) if link.section is not None]
+                return {number: copy.deepcopy(value) for number in own or ("1", "others")}
+
+            words = f"{name} by link"
+        elif list(there)[-1] == place[-1]:
+
+            def turned() -> Any:
+                lists = [cast("list[Any]", item) if isinstance(item, list) else [item] for item in there.values()]
+                return list(dict.fromkeys(str(item) for each in lists for item in each))
+
+            words = f"one {name} list for all links"
+        else:
+            return
+
+        async def turn() -> None:
+            await self._edit(lambda text: text.set(place[:2], turned()), True)
+
+        ui.button(words.capitalize(), on_click=turn).props("flat dense no-caps").classes("self-start")
 
     def field(self, place: Place, value: Any, label: str, beside: Any) -> None:
         """The field of a value at a place; `beside` is what it stands in."""
