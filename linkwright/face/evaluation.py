@@ -280,7 +280,8 @@ def pose_of(model: Model, pose: Sequence[Quantity] | str) -> tuple[float, ...]:
 def _words(text: str, size: int) -> list[str]:
     """The numbers of a pose, with the units behind them."""
     parts = [word.strip() for word in re.split(r"[,\s]+(?=[-+.\d])", text.strip())]
-    return parts if len(parts) == size else text.replace(",", " ").split()
+    blanks = text.replace(",", " ").split()
+    return blanks if len(blanks) == size != len(parts) else parts
 
 
 def _number(word: str | float, unit: str) -> float:

@@ -74,6 +74,7 @@ WRONG = [
     (("evaluate", "arm.yaml", "--pose", "10"), "--pose"),
     (("evaluate", "arm.yaml", "--pose", "10 x"), "'x'"),
     (("evaluate", "arm.yaml", "--pose", "10 nan"), "'nan'"),
+    (("evaluate", "arm.yaml", "--pose", "10 deg, 20 deg, 5 deg"), "not 3"),
     (("evaluate", "arm.yaml", "--json", "."), "folder"),
     (("evaluate", "arm.yaml", "--json", "arm.yaml"), "input"),
     (("evaluate", "arm.yaml", "--json", "no/where.json"), "no/where.json"),
