@@ -52,7 +52,7 @@ def corrected_arm(
                 left_out.discard(candidate.effect)
             else:
                 notes.append(
-                    f"The corrected arm still leaves out {candidate.effect}: {share:.2g} times what the file's data "
+                    f"The corrected arm still misses {candidate.effect}: {share:.2g} times what the file's data "
                     "give would fit, which no entry of the file can say."
                 )
             continue

@@ -25,7 +25,7 @@ class CataloguesPage:
         with framed("Catalogues", lead):
             Runs(desk.jobs)
             tables = (MaterialsTable(), SectionsTable(), ActuatorsTable())
-            with ui.tabs().props("dense align=left") as tabs:
+            with ui.tabs().props("dense align=left no-caps") as tabs:
                 made = [ui.tab(table.title) for table in tables]
             self._views: list[TableView] = []
             panels = ui.tab_panels(tabs, value=tables[0].title, animated=False, on_change=self.begin).classes("w-full")

@@ -44,7 +44,7 @@ class DiagnosisPage(Asking):
                     self._choice = ui.select([], label="Arm file", on_change=self._arm_chosen)
                     self._choice.props("dense outlined").classes("w-full")
                     self._upload = ui.upload(
-                        label=f"Recordings: drop them here (at most {MOST_UPLOADED // 1024**2} MB)",
+                        label=f"Recordings: drop them here or choose (at most {MOST_UPLOADED // 1024**2} MB)",
                         multiple=True,
                         auto_upload=True,
                         max_file_size=MOST_UPLOADED,
@@ -221,6 +221,8 @@ class DiagnosisPage(Asking):
                 ui.button(f"Take {settings}", on_click=partial(self._take, remedy)).props("outline dense no-caps")
         self._line.text = "\n".join(item.line for item in self._held if item.line)
         self._notes.text = "" if shown is None else shown.notes
+        for name in ("frame", "tool"):  # of a tip that was measured
+            self._fields[name].visible = shown is None or not shown.log
         self._go.enabled = bool(self._held) and not wrong
 
     def _chosen(self) -> None:

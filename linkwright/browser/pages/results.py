@@ -155,4 +155,4 @@ class ResultPage:
         except InputError:
             return  # said where the result is shown
         if result is not None and ASKED in names and result.kind in ADDRESS_OF:
-            ui.link("its file, to ask again", f"{ADDRESS_OF[result.kind]}?result={number}")
+            ui.link("open its file and ask again", f"{ADDRESS_OF[result.kind]}?result={number}")

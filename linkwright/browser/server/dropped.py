@@ -34,7 +34,8 @@ MOST = 12
 @dataclass
 class Dropped:
     """A recording: its name and bytes, what its columns are taken for, and what else is told of it by the settings'
-    keys. `line` and `notes` say what was read, `problem` what is wrong, `remedies` the settings that would do."""
+    keys. `line` and `notes` say what was read, `log` whether that is a motion log, `problem` what is wrong, `remedies`
+    the settings that would do."""
 
     name: str
     content: bytes
@@ -42,6 +43,7 @@ class Dropped:
     meanings: list[Meaning] = field(default_factory=list[Meaning])
     line: str = ""
     notes: str = ""
+    log: bool = False
     problem: str = ""
     remedies: tuple[Mapping[str, Any], ...] = ()
 
@@ -75,6 +77,7 @@ class Dropped:
     def check(self, arm: Any) -> None:
         """Read the recording as it is described now."""
         self.line = self.notes = ""
+        self.log = False
         try:
             text = self.settings()
             with staged({self.name: self.content, SETTINGS: text.encode()}) as root:
@@ -84,7 +87,7 @@ class Dropped:
         except InputError as error:
             self._refuse(error)
             return
-        self.problem, self.remedies = "", ()
+        self.problem, self.remedies, self.log = "", (), bool(logs)
         self.line = repr(read)[1:-1]
         guessed = [meaning for meaning in self.meanings if meaning.guessed]
         notes = [f"{item.header}: {item.unit} is a guess {item.said}." for item in guessed]

@@ -63,7 +63,7 @@ def test_an_answer_of_another_file_is_grey_and_opens_its_own(server, page):
     other.wait_for(state="hidden")
     number = Shelf(server.folder).all()[0].id
     page.goto(f"{server.url}results/{number}")
-    page.get_by_role("link", name="its file, to ask again").click()
+    page.get_by_role("link", name="open its file and ask again").click()
     shown_length(page, "1200 mm")
     line.wait_for()
 

@@ -137,7 +137,7 @@ class Form:
         async def turn() -> None:
             await self._edit(lambda text: text.set(place[:2], turned()), True)
 
-        ui.button(words.capitalize(), on_click=turn).props("flat dense no-caps").classes("self-start")
+        ui.button(words.capitalize(), on_click=turn).props("flat dense no-caps align=left")
 
     def field(self, place: Place, value: Any, label: str, beside: Any) -> None:
         """The field of a value at a place; `beside` is what it stands in."""
