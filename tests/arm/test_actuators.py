@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
+from scipy.optimize import brentq
 
 from linkwright.core.arm.actuators import (
     USER_ACTUATORS,
@@ -113,6 +114,23 @@ def test_zones_of_stiffness_add_up() -> None:
     by_hand = 14.0 / 31e3 + (48.0 - 14.0) / 50e3 + (87.0 - 48.0) / 57e3
     assert gear.wind_up(87.0) == pytest.approx(by_hand, rel=1e-12)
     assert gear.wind_up(10.0) == pytest.approx(10.0 / 31e3, rel=1e-12)
+
+
+def test_a_belt_gives_by_its_spans_and_its_motor() -> None:
+    """Two springs EA/L at the pulley's radius, behind a motor whose torque is a sine over four of its steps."""
+    belt = load_actuators(user=False).find("NEMA17-GT2-60-20")
+    large, small = (teeth * 2e-3 / (2.0 * math.pi) for teeth in (60, 20))
+
+    def too_long(distance: float) -> float:
+        lean = math.asin((large - small) / distance)
+        return 2.0 * distance * math.cos(lean) + math.pi * (large + small) + 2.0 * lean * (large - small) - 0.2
+
+    span = math.sqrt(brentq(too_long, 0.03, 0.1) ** 2 - (large - small) ** 2)
+    motor = 0.59 * 2.0 * math.pi / math.radians(4.0 * 1.8) * belt.ratio**2
+    low, typical, high = (1.0 / (span / (2.0 * rigidity * large**2) + 1.0 / motor) for rigidity in (10e3, 20e3, 40e3))
+    assert belt.stiffness == pytest.approx(typical, rel=0.01)
+    assert f"{low:.0f} to {high:.0f} N*m/rad" in dict(belt.unconfirmed)["stiffness"]
+    assert belt.peak_torque == pytest.approx(0.59 * belt.ratio)
 
 
 # ---- in an arm file
