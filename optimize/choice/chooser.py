@@ -540,6 +540,7 @@ def _alone(exchange: Exchange, materials: Array, pool: Pool, starts: Sequence[Ar
     Where it is `doubtful` that there is one, it is asked first how little the limits must give way, from each start: a
     solver takes ten times as long to give up.
     """
+    relaxed = None
     if doubtful:
         for start in starts:
             relaxed = exchange.breach(materials, pool, start)
