@@ -32,6 +32,10 @@ _SUBJECT = MappingProxyType(
 )
 
 
+_WORSE = 1.05
+"""Times what the arm as given leaves of a branch: up to so much no rival is worse there."""
+
+
 @dataclass(frozen=True)
 class Rival:
     """One model of an arm, as its file would hold it, on readings that it was fitted to and on others.
@@ -86,7 +90,7 @@ def chosen(rivals: Sequence[Rival]) -> Rivals:
     Returns:
         The rivals with the one that is written: the best held out, or the one with the fewest numbers that is no more
         than one standard error worse; none that is worse than the arm as given, on the whole or in some branch by more
-        than a standard error.
+        than a standard error and a twentieth.
 
     Raises:
         ValueError: No nominal rival, or parts that differ.
@@ -141,10 +145,12 @@ def _within(rival: Rival, best: Rival, weights: Array) -> bool:
 
 
 def _no_worse(rival: Rival, nominal: Rival, weights: Array) -> bool:
-    """Whether a rival is no worse than the arm as given: less on the whole, and no more than chance in any branch."""
+    """Whether a rival is no worse than the arm as given: less on the whole, and in any branch no more than chance or a
+    twentieth."""
     if not np.isfinite(rival.losses).all() or difference(rival, nominal, weights)[0] >= 0.0:
         return False
-    for branch in range(len(weights)):
+    losses, given = rival.losses.sum(axis=0), nominal.losses.sum(axis=0)
+    for branch in np.flatnonzero(losses > _WORSE**2 * given):
         more, error = difference(rival, nominal, np.where(np.arange(len(weights)) == branch, weights, 0.0))
         if more > (error if math.isfinite(error) else 0.0):
             return False
