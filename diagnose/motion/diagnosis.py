@@ -139,7 +139,7 @@ def diagnosed(
     )
     tell("testing what is left", 0.95)
     judge = judged(arm, identified, sizes.numbers, [entry_of(effect, item) for effect, item in swift], rules=rules)
-    sizes = as_written(sizes, identified, judge.named)
+    sizes = as_written(sizes, identified, judge)
     rests_on = RestsOn(identified, sizes, different)
     result = _result(arm, logs, given, rests_on, judge, seen, swift, events, rules, begun)
     if request.rollout:

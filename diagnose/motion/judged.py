@@ -140,18 +140,15 @@ def judged(arm: Arm, identified: Identified, start: Array, more: Sequence[Effect
     named = _settled(arm, identified, _wide(identified.members, rules), start, more)
     named = _without_harm(arm, identified, given, named, more)
     textbook = _settled(arm, identified, _textbook(identified), None, (), bare)
-    ridge = _settled(arm, identified, _with_rest(identified, named.members, rules), None, more)
-    filed: tuple[tuple[Name, Filed], ...] = (
-        ("nominal", given),
-        ("named", named),
-        ("textbook", textbook),
-        ("ridge", ridge),
-    )
+    filed: list[tuple[Name, Filed]] = [("nominal", given), ("named", named), ("textbook", textbook)]
+    rest = _with_rest(identified, named.members)
+    if len(rest) > len(named.members):
+        filed.append(("ridge", _settled(arm, identified, rest, None, more)))
     counts = bare.counted.rows.astype(float)
     # What one log alone has tells nothing of what all share: rivals are chosen beside it, and shown as their files are.
     best = chosen([_rival(name, *item.beside, item, counts) for name, item in filed])
     shown = tuple(_rival(name, item.left, item.held_out, item, counts) for name, item in filed)
-    return Judged(replace(best, table=shown), filed, counts)
+    return Judged(replace(best, table=shown), tuple(filed), counts)
 
 
 def _wide(members: Sequence[Member], rules: Rules) -> tuple[Member, ...]:
@@ -169,11 +166,12 @@ def _textbook(identified: Identified) -> tuple[Member, ...]:
     )
 
 
-def _with_rest(identified: Identified, members: Sequence[Member], rules: Rules) -> tuple[Member, ...]:
-    """What was named, and the textbook's numbers held to small sizes."""
-    families = {identified.pool.groups[member.group].family for member in members}
-    rest = (m for m in _textbook(identified) if identified.pool.groups[m.group].family not in families)
-    return (*members, *(Member(member.group, rules.motion.unnamed) for member in rest))
+def _with_rest(identified: Identified, members: Sequence[Member]) -> tuple[Member, ...]:
+    """What was named, and what is too small for a name. What lasts no longer than a recording foretells no other."""
+    groups = identified.pool.groups
+    families = {groups[member.group].family for member in members}
+    lasting = (item for item in identified.unnamed if groups[item.group].effect.watch.lasts != "a recording")
+    return (*members, *(item for item in lasting if groups[item.group].family not in families))
 
 
 def _about(identified: Identified, arm: Arm, sizes: Array) -> _Linearised:
@@ -282,8 +280,10 @@ def rms_together(left: Array, counts: Array) -> float:
     return float(np.sqrt(np.mean(left.sum(axis=0)[moves] / rows[moves]))) if moves.any() else float("nan")
 
 
-def as_written(sizes: Estimates, identified: Identified, named: Filed) -> Estimates:
-    """The estimates with the numbers that the named arm's file holds; intervals are as wide as they were."""
+def as_written(sizes: Estimates, identified: Identified, judge: Judged) -> Estimates:
+    """The estimates with the numbers that the arm's file holds, or would hold of the names alone where it holds none;
+    intervals are as wide as they were."""
+    named = judge.written if judge.rivals.written == "ridge" else judge.named
     numbers, place = sizes.numbers.copy(), 0
     of_group, start = {}, 0
     for member in named.members:

@@ -76,13 +76,6 @@ class MotionRules:
         "of the greatest usual size",
         "A parameter of a group with a larger standard deviation is not shown by the logs, and not reported.",
     )
-    unnamed: float = rule(
-        0.1,
-        "of the usual size",
-        "One standard deviation of a textbook number that is fitted beside the names. Samples near in time share what "
-        "no model says, so unseen motion asks for less than their number does.",
-        "unseen motion of six robots (python -m benchmarks.real table)",
-    )
     ripple_speed: float = rule(
         0.4, "rad/s", "At higher speed a control loop turns fast orders into accelerations, and none are sought.", _LOGS
     )

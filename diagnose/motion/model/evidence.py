@@ -256,7 +256,26 @@ def discrepancies(pool: Candidates, products: Products, torque: Array) -> Array:
     return np.where(shown > 0.0, 1.0 / np.maximum(shown, 1e-300) / np.sqrt(factors), 0.0)
 
 
-def unnamed(pool: Candidates, products: Products, weights: Array, named: Array, least: Array) -> Array:
+def small_causes(
+    whole: System, pool: Candidates, products: Products, weights: Array, fitted: Sequence[Member], least: Array
+) -> tuple[Member, ...]:
+    """Causes too small for a name, beside those that are `fitted`: as large as what motion leaves says (`spreads`), in
+    the shape that explains most of it."""
+    named = whole.spread[:, whole.places(fitted)]
+    spread = spreads(pool, products, weights, named, least)
+    loud, taken = np.diagonal(products.whole(weights)[0]), {pool.groups[member.group].family for member in fitted}
+    offered_, best = whole.offers(fitted).evidence, dict[tuple[str, tuple[int, ...]], Member]()
+    for number in np.argsort(-offered_, kind="stable").tolist():
+        group = pool.groups[number]
+        if group.tied or group.nuisance or group.family in taken or not spread[group.columns].any():
+            continue
+        usual = np.square(group.mixing @ group.usual) @ loud[group.columns]
+        scale = math.sqrt(float(np.square(spread[group.columns]) @ loud[group.columns] / max(usual, 1e-300)))
+        best.setdefault(group.family, Member(number, scale))
+    return tuple(best.values())
+
+
+def spreads(pool: Candidates, products: Products, weights: Array, named: Array, least: Array) -> Array:
     """The standard deviation (W,) of each column's size beyond the discrepancies of torques `least` (n,) N*m: random
     effects, for causes too small for a name and for what no form of a pattern holds.
 

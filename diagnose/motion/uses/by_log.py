@@ -68,13 +68,12 @@ def by_log(arm: Arm, logs: Sequence[MotionLog], options: Options, progress: Prog
             rests_on.different.sizes(number, identified.pool.width)
         )
         system_ = system(identified.pool, log_products, identified.noise.weights, identified.discrepancy)
-        alike = np.zeros(identified.pool.width)  # What has no name is the same in all logs.
+        # What has no name is the same in all logs.
         fitted = estimates(
             system_,
             log_products,
             identified.noise.weights,
             (*members, *identified.system.nuisances),
-            alike,
             rules=options.rules,
         )
         pairs = _parameters(arm, identified, members, fitted, np.ones(len(fitted.numbers), dtype=bool))
