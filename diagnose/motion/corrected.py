@@ -10,8 +10,8 @@ from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.effect import Effect
 from linkwright.core.sections.numeric import Array
 
-from .model.candidates import Group
 from .model.entries import entries_of, with_entries
+from .model.groups import Group
 from .model.ripple import Ripple
 
 

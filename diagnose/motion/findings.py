@@ -18,9 +18,9 @@ from linkwright.core.units.quantities import format_quantity
 
 from .causes.directions import instead_of_losses
 from .judged import Judged
-from .model.candidates import Group
 from .model.evidence import Member
 from .model.feasible import feasible
+from .model.groups import Group
 from .model.identify import Identified
 from .model.intervals import Estimates
 from .model.products import Products

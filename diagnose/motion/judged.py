@@ -20,9 +20,10 @@ from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .corrected import completed
-from .model.candidates import PLAIN, Candidates, Group
+from .model.candidates import Candidates
 from .model.evidence import Member, System, system
 from .model.feasible import feasible
+from .model.groups import PLAIN, Group
 from .model.identify import Identified, mixed
 from .model.intervals import Estimates
 from .model.products import Products, products

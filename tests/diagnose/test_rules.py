@@ -93,7 +93,8 @@ NO_RULES = {
     "motion/events/changed.py": {"SURE", "_PARTS", "_ROUNDS"},  # a normal distribution's; how a search goes
     "motion/events/found.py": {"_MOST", "_PARTS", "_ROUNDS"},
     "motion/events/push.py": {"PUSH", "_FORCE"},  # a usual size
-    "motion/model/candidates.py": {"SHARPER", "_BETWEEN", "_MOST_VARIANTS", "_PROBED"},  # what a scan is for
+    "motion/model/candidates.py": {"_BETWEEN", "_MOST_VARIANTS", "_PROBED"},  # what a scan is for
+    "motion/model/groups.py": {"SHARPER"},
     "motion/model/chance.py": {"_DRAWS"},
     # half of chi-squared; what is tried; no prior; Akaike's nat
     "motion/model/evidence.py": {"LIKELY", "SCALES", "_FREE", "_MULTIPLES", "_SPARING"},

@@ -8,8 +8,8 @@ from linkwright.core.arm.effects.drives.torque_constant import TORQUE_CONSTANT
 from linkwright.core.arm.effects.friction.friction_load import FRICTION_LOAD
 from linkwright.core.arm.effects.friction.gear_efficiency import GEAR_EFFICIENCY
 from linkwright.core.arm.effects.loads.link_inertial import LINK_INERTIAL
-from linkwright.core.diagnose.motion.model.candidates import Group
 from linkwright.core.diagnose.motion.model.evidence import Member
+from linkwright.core.diagnose.motion.model.groups import Group
 from linkwright.core.diagnose.motion.model.identify import Identified
 from linkwright.core.diagnose.motion.result import Alternative
 from linkwright.core.diagnose.rules.rules import Rules

@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.diagnose.motion.findings import parameters_of
-from linkwright.core.diagnose.motion.model.candidates import Candidates, Group
+from linkwright.core.diagnose.motion.model.candidates import Candidates
 from linkwright.core.diagnose.motion.model.evidence import LIKELY
+from linkwright.core.diagnose.motion.model.groups import Group
 from linkwright.core.diagnose.motion.model.identify import Identified
 from linkwright.core.diagnose.motion.model.noise import Noise, noise
 from linkwright.core.diagnose.motion.model.products import Products, products

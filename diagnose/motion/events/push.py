@@ -12,7 +12,8 @@ from linkwright.core.arm.chain.kinematics import turns_by_drives
 from linkwright.core.arm.effects.effect import Effect, Settings, torque
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.moving import MovingArm, cross, dot, moving
-from linkwright.core.diagnose.motion.model.candidates import Candidates, Group, Source
+from linkwright.core.diagnose.motion.model.candidates import Candidates
+from linkwright.core.diagnose.motion.model.groups import Group, Source
 from linkwright.core.sections.numeric import Array
 
 _FORCE = 100.0

@@ -9,7 +9,7 @@ from linkwright.core.arm.chain.chain import Arm, EffectEntry
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.sections.numeric import Array
 
-from .candidates import Group
+from .groups import Group
 
 
 def with_entries(arm: Arm, more: Sequence[EffectEntry]) -> Arm:

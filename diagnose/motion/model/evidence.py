@@ -20,7 +20,8 @@ from scipy.linalg import solve_triangular
 from linkwright.core.arm.effects.effect import LAST_RANK
 from linkwright.core.sections.numeric import Array
 
-from .candidates import Candidates, Group
+from .candidates import Candidates
+from .groups import Group
 from .products import Products
 
 SCALES = (16.0, 4.0, 1.0, 0.25, 0.0625, 0.015625)

@@ -20,8 +20,9 @@ from linkwright.core.diagnose.motion.preparation import PreparedLog
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
-from .candidates import Candidates, Source, of_arm
+from .candidates import Candidates, of_arm
 from .entries import with_entries
+from .groups import Source
 from .products import JointRows
 
 About = Mapping[tuple[str, tuple[int, ...]], float]

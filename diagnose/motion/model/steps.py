@@ -15,7 +15,8 @@ from linkwright.core.diagnose.result import HALF
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
-from .candidates import Candidates, Group
+from .candidates import Candidates
+from .groups import Group
 from .noise import covariance, noise, usual_sizes
 from .products import Products
 

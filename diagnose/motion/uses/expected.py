@@ -13,7 +13,8 @@ from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.motion.motion import Motion
 from linkwright.core.arm.motion.rigid import inverse_dynamics, link_parameters, regressor
 from linkwright.core.diagnose.motion.log import MotionLog
-from linkwright.core.diagnose.motion.model.candidates import Candidates, Group, acting, candidates
+from linkwright.core.diagnose.motion.model.candidates import Candidates, acting, candidates
+from linkwright.core.diagnose.motion.model.groups import Group
 from linkwright.core.diagnose.motion.model.noise import covariance
 from linkwright.core.diagnose.motion.preparation import prepare
 from linkwright.core.diagnose.rules.rules import RULES

@@ -9,9 +9,9 @@ from scipy.optimize import minimize
 from linkwright.core.arm.effects.friction.friction_coulomb import FRICTION_COULOMB
 from linkwright.core.arm.effects.loads.link_inertial import LINK_INERTIAL
 from linkwright.core.arm.motion.rigid import pseudo_inertia
-from linkwright.core.diagnose.motion.model.candidates import Body, Group
 from linkwright.core.diagnose.motion.model.evidence import Member, System
 from linkwright.core.diagnose.motion.model.feasible import feasible
+from linkwright.core.diagnose.motion.model.groups import Body, Group
 
 USUAL, SCALE = 0.5, 4.0
 
