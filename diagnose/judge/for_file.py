@@ -98,7 +98,7 @@ def for_file(names: Confirmed) -> ForFile:
         rest = [candidate for candidate in textbook if candidate.family not in families]
         filed += _fitted(best, "textbook", textbook, folds)
         filed += _fitted(best, "ridge", [*named, *rest], folds) if named and rest else []
-    rivals = chosen([_rival(item, parts, names.observed.recording.tips) for item in filed])
+    rivals = chosen([_rival(item, parts, names.observed.recording.tips) for item in filed], rules=names.rules)
     written = next(item for item in filed if item.name == rivals.written)
     labels = tuple(best.label(member) for member in best.members)
     if rivals.written == "pair":

@@ -15,6 +15,7 @@ from typing import Literal
 
 import numpy as np
 
+from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 Name = Literal["nominal", "textbook", "named", "pair", "ridge"]
@@ -30,10 +31,6 @@ _SUBJECT = MappingProxyType(
         "ridge": "The arm with the named causes and a small share of the rest",
     }
 )
-
-
-_WORSE = 1.05
-"""Times what the arm as given leaves of a branch: up to so much no rival is worse there."""
 
 
 @dataclass(frozen=True)
@@ -81,27 +78,29 @@ class Rivals:
         return next((rival for rival in self.table if rival.name == name), None)
 
 
-def chosen(rivals: Sequence[Rival]) -> Rivals:
+def chosen(rivals: Sequence[Rival], *, rules: Rules) -> Rivals:
     """Which rival the file holds.
 
     Args:
         rivals: The rivals, the arm as given (`nominal`) among them, all on the same parts and branches.
+        rules: From which ratio on a rival is worse than the arm as given in some branch.
 
     Returns:
         The rivals with the one that is written: the best held out, or the one with the fewest numbers that is no more
         than one standard error worse; none that is worse than the arm as given, on the whole or in some branch by more
-        than a standard error and a twentieth.
+        than a standard error and the rule's ratio.
 
     Raises:
         ValueError: No nominal rival, or parts that differ.
 
+    >>> from linkwright.core.diagnose.rules.rules import RULES
     >>> rows = np.full((4, 1), 10.0)
     >>> table = [
     ...     Rival("nominal", 0, 2.0, 2.0, np.full((4, 1), 40.0), rows),
     ...     Rival("named", 1, 1.0, 1.0, np.full((4, 1), 10.0), rows),
     ...     Rival("textbook", 9, 0.9, 1.0, np.array([[9.0], [10.5], [9.5], [10.5]]), rows),
     ... ]
-    >>> chosen(table).written
+    >>> chosen(table, rules=RULES).written
     'named'
     """
     nominal = next((rival for rival in rivals if rival.name == "nominal"), None)
@@ -110,7 +109,9 @@ def chosen(rivals: Sequence[Rival]) -> Rivals:
     if any(rival.losses.shape != nominal.losses.shape or (rival.rows != nominal.rows).any() for rival in rivals):
         raise ValueError("rivals of different parts")
     weights = _weights(rivals)
-    allowed = [rival for rival in rivals if rival is nominal or _no_worse(rival, nominal, weights)]
+    allowed = [
+        rival for rival in rivals if rival is nominal or _no_worse(rival, nominal, weights, rules.fitting.no_worse)
+    ]
     best = min(allowed, key=lambda rival: (_total(rival, weights), _ORDER.index(rival.name)))
     alike = [rival for rival in allowed if _within(rival, best, weights)]
     written = min(alike, key=lambda rival: (rival.parameters, _ORDER.index(rival.name)))
@@ -144,13 +145,13 @@ def _within(rival: Rival, best: Rival, weights: Array) -> bool:
     return rival is best or more <= (error if math.isfinite(error) else 0.0)
 
 
-def _no_worse(rival: Rival, nominal: Rival, weights: Array) -> bool:
-    """Whether a rival is no worse than the arm as given: less on the whole, and in any branch no more than chance or a
-    twentieth."""
+def _no_worse(rival: Rival, nominal: Rival, weights: Array, worse: float) -> bool:
+    """Whether a rival is no worse than the arm as given: less on the whole, and in no branch more than chance and
+    `worse` times its RMS."""
     if not np.isfinite(rival.losses).all() or difference(rival, nominal, weights)[0] >= 0.0:
         return False
     losses, given = rival.losses.sum(axis=0), nominal.losses.sum(axis=0)
-    for branch in np.flatnonzero(losses > _WORSE**2 * given):
+    for branch in np.flatnonzero(losses > worse**2 * given):
         more, error = difference(rival, nominal, np.where(np.arange(len(weights)) == branch, weights, 0.0))
         if more > (error if math.isfinite(error) else 0.0):
             return False

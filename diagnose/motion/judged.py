@@ -147,7 +147,7 @@ def judged(arm: Arm, identified: Identified, start: Array, more: Sequence[Effect
         filed.append(("ridge", _settled(arm, identified, rest, None, more)))
     counts = bare.counted.rows.astype(float)
     # What one log alone has tells nothing of what all share: rivals are chosen beside it, and shown as their files are.
-    best = chosen([_rival(name, *item.beside, item, counts) for name, item in filed])
+    best = chosen([_rival(name, *item.beside, item, counts) for name, item in filed], rules=rules)
     shown = tuple(_rival(name, item.left, item.held_out, item, counts) for name, item in filed)
     return Judged(replace(best, table=shown), tuple(filed), counts)
 
