@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm, EffectEntry
 from linkwright.core.arm.effects.loads.link_inertial import LINK_INERTIAL
+from linkwright.core.arm.effects.torques import Bent
 from linkwright.core.diagnose.judge.needed import Needed, needed
 from linkwright.core.diagnose.judge.rivals import Name, Rival, Rivals, chosen
 from linkwright.core.diagnose.rules.rules import Rules
@@ -168,11 +169,18 @@ def _textbook(identified: Identified) -> tuple[Member, ...]:
 
 
 def _with_rest(identified: Identified, members: Sequence[Member]) -> tuple[Member, ...]:
-    """What was named, and what is too small for a name. What lasts no longer than a recording foretells no other."""
+    """What was named, and what is too small for a name. What lasts no longer than a recording foretells no other, and
+    what is not in proportion to its size acts otherwise in motion that is faster."""
     groups = identified.pool.groups
     families = {groups[member.group].family for member in members}
-    lasting = (item for item in identified.unnamed if groups[item.group].effect.watch.lasts != "a recording")
-    return (*members, *(item for item in lasting if groups[item.group].family not in families))
+    rest = (
+        member
+        for member in identified.unnamed
+        if groups[member.group].effect.watch.lasts != "a recording"
+        and not isinstance(groups[member.group].effect.torques, Bent)
+        and groups[member.group].family not in families
+    )
+    return (*members, *rest)
 
 
 def _about(identified: Identified, arm: Arm, sizes: Array) -> _Linearised:
