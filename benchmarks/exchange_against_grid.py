@@ -24,13 +24,13 @@ from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
 from linkwright.core.optimize.exchange.design import (
     DesignSpace,
     design_space,
-    expressions,
     material_row,
     numeric_beams,
     starting_points,
 )
 from linkwright.core.optimize.exchange.design import arm_of as design_arm
 from linkwright.core.optimize.exchange.exchange import Context, Exchange, context_of, first_pool
+from linkwright.core.optimize.exchange.expressions import expressions
 from linkwright.core.optimize.exchange.program import ipopt_options
 from linkwright.core.optimize.problem import Problem, read_problem
 from linkwright.core.sections.numeric import Array

@@ -31,12 +31,9 @@ from scipy.optimize import minimize
 from benchmarks.exchange_against_grid import MASS, REACH, Side, begun, by_exchange, grid
 from linkwright.core.arm.compiled.vectorise import vectorise
 from linkwright.core.arm.errors.lost_motion import sign_vertices
-from linkwright.core.optimize.exchange.design import (
-    arm_of,
-    expressions,
-    numeric_beams,
-)
+from linkwright.core.optimize.exchange.design import arm_of, numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context, context_of
+from linkwright.core.optimize.exchange.expressions import expressions
 from linkwright.core.optimize.problem import Problem, read_problem
 from linkwright.core.sections.numeric import Array
 

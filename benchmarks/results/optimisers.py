@@ -17,11 +17,11 @@ from linkwright.core.optimize.choice.picks import combinations
 from linkwright.core.optimize.exchange.design import (
     MATERIAL_FIELDS,
     design_space,
-    expressions,
     material_row,
     starting_points,
 )
 from linkwright.core.optimize.exchange.exchange import context_of
+from linkwright.core.optimize.exchange.expressions import expressions
 from linkwright.core.optimize.problem import Problem, read_problem
 from linkwright.core.optimize.run import optimise
 

@@ -95,6 +95,7 @@ NO_RULES = {
     "motion/events/push.py": {"PUSH", "_FORCE"},  # a usual size
     "motion/model/candidates.py": {"_BETWEEN", "_MOST_VARIANTS", "_PROBED"},  # what a scan is for
     "motion/model/groups.py": {"SHARPER"},
+    "motion/model/steps.py": {"_ROUNDING"},
     "motion/model/chance.py": {"_DRAWS"},
     # half of chi-squared; what is tried; no prior; Akaike's nat
     "motion/model/evidence.py": {"LIKELY", "SCALES", "_FREE", "_MULTIPLES", "_SPARING"},

@@ -73,8 +73,12 @@ def _load(pool: Candidates, row: LogRows, rules: Rules) -> Event | None:
     """A load that is taken or left within a log; None where something else explains more, or that not most of it. What
     differs between logs is no event: each is fitted by itself."""
     heard = noise(pool, products(joint_rows([row]), pool.width, near=False))
+    clock = row.prepared.motion.time[row.prepared.kept]
     for made in stepped(pool, [row], heard, may_differ(pool), rules=rules):
-        for size in made.change.parameters if made.change.effect == PAYLOAD.id and made.within > 1.0 - HALF**2 else ():
+        # Less than a second beside an instant is no stretch of a log, and shows what filters make of its ends.
+        within = min(made.change.start.time - clock[0], clock[-1] - made.change.start.time) > 1.0
+        load = within and made.change.effect == PAYLOAD.id and made.within > 1.0 - HALF**2
+        for size in made.change.parameters if load else ():
             if size.parameter == "mass" and size.interval[0] * size.interval[1] > 0.0:
                 return Event("payload left" if size.value < 0.0 else "payload taken", made.change)
     return None

@@ -23,6 +23,8 @@ from .products import Products
 Parts = NDArray[np.bool_]
 
 _OF_DRIVES = (FRICTION_COULOMB, FRICTION_VISCOUS, TORQUE_OFFSET)
+_ROUNDING = 1e-5
+"""Of a gain: what rounding makes of it where noise is next to nothing."""
 
 
 @dataclass(frozen=True)
@@ -140,7 +142,8 @@ def differences(
     items = sorted(tried(fit, _some(motion.blocks), may_differ(pool)), key=lambda step: -step.gain)
     choice = float(np.log(max(len(items), 1)))
     enough = choice + rules.search.margin
-    likely = [item for item in items if item.gain > max(enough, items[0].gain - rules.search.refuted_odds)]
+    near = max(rules.search.refuted_odds, _ROUNDING * items[0].gain) if items else 0.0
+    likely = [item for item in items if item.gain > max(enough, items[0].gain - near)]
     for step in sorted(likely, key=lambda step: _uncommon(fit, step)):
         more = fitted(pool, motion, weights, (*fit.steps, step))
         taken = left - more.left()
