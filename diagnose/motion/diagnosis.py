@@ -135,6 +135,7 @@ def diagnosed(
         identified.noise.weights,
         identified.fitted,
         identified.unnamed,
+        identified.spread,
         rules=rules,
     )
     tell("testing what is left", 0.95)

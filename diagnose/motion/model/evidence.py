@@ -258,12 +258,10 @@ def discrepancies(pool: Candidates, products: Products, torque: Array) -> Array:
 
 
 def small_causes(
-    whole: System, pool: Candidates, products: Products, weights: Array, fitted: Sequence[Member], least: Array
+    whole: System, pool: Candidates, products: Products, weights: Array, fitted: Sequence[Member], spread: Array
 ) -> tuple[Member, ...]:
-    """Causes too small for a name, beside those that are `fitted`: as large as what motion leaves says (`spreads`), in
-    the shape that explains most of it."""
-    named = whole.spread[:, whole.places(fitted)]
-    spread = spreads(pool, products, weights, named, least)
+    """Causes too small for a name, beside those that are `fitted`: as large as what motion leaves says, `spread` (W,)
+    of `spreads`, in the shape that explains most of it."""
     loud, taken = np.diagonal(products.whole(weights)[0]), {pool.groups[member.group].family for member in fitted}
     offered_, best = whole.offers(fitted).evidence, dict[tuple[str, tuple[int, ...]], Member]()
     for number in np.argsort(-offered_, kind="stable").tolist():

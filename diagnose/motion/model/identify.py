@@ -14,7 +14,7 @@ from linkwright.core.sections.numeric import Array
 
 from .candidates import Candidates, at_estimates, bent_sizes, refined
 from .chance import Chance, chance
-from .evidence import Member, System, discrepancies, small_causes, system
+from .evidence import Member, System, discrepancies, small_causes, spreads, system
 from .feasible import lost
 from .noise import Noise, noise
 from .products import Products, products
@@ -34,7 +34,8 @@ _FOLDS = 5
 @dataclass(frozen=True)
 class Identified:
     """What was identified: `members` of the system over the rows that count; `fitted` are those and the nuisances,
-    beside which causes too small for a name, `unnamed`, are random effects of that scale. `gate_p` is how often chance
+    beside which columns' sizes have random effects of standard deviation `spread` (W,), as causes `unnamed`. `gate_p`
+    is how often chance
     would name anything; `folds` (B,) hold motion out, named by `split`; reversals count at the joints `turning` (n,);
     `torque` (n,) is the RMS of each joint's torque where it moves, N*m."""
 
@@ -43,6 +44,7 @@ class Identified:
     products: Products
     noise: Noise
     discrepancy: Array
+    spread: Array
     unnamed: tuple[Member, ...]
     system: System
     held: HeldOut
@@ -160,13 +162,16 @@ def identify(
         if joints == _turning_joints(pool, members, turning):
             break
     fitted = [*members, *final.system.nuisances]
+    named = final.system.spread[:, final.system.places(fitted)]
+    spread = spreads(pool, final.products, final.noise.weights, named, certain)
     return Identified(
         pool,
         tuple(current),
         final.products,
         final.noise,
         final.discrepancy,
-        small_causes(final.system, pool, final.products, final.noise.weights, fitted, certain),
+        spread,
+        small_causes(final.system, pool, final.products, final.noise.weights, fitted, spread),
         final.system,
         final.held_out(pool, folds),
         final.chance,

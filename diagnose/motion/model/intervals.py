@@ -38,6 +38,7 @@ def estimates(
     weights: Array,
     members: Sequence[Member],
     unnamed: Sequence[Member] = (),
+    spread: Array | None = None,
     *,
     rules: Rules,
 ) -> Estimates:
@@ -65,13 +66,20 @@ def estimates(
     gain, slopes = _gain(system, wide, numbers * unit)
     # Of what a constant multiplies nobody knows more than of the constant.
     turned = (np.eye(len(at)) - (numbers * unit / gain)[:, None] * slopes) / gain[:, None] * unit
-    model = np.sqrt(np.diagonal(turned @ inverse @ turned.T)) * 1.96
+    model = np.diagonal(turned @ inverse @ turned.T)
+    # As wide as of a fit that leaves out what has no name, of standard deviations `spread` (W,).
+    own = at[:count]
+    alone = np.linalg.inv(system.gram[np.ix_(own, own)] + np.diag(system.precision(named)))
+    pulled = alone @ system.seen[:, own].T @ products.whole(weights)[0] * (0.0 if spread is None else spread)
+    turned_alone = turned[:count, :count]
+    model = np.maximum(model[:count], np.diagonal(turned_alone @ (alone + pulled @ pulled.T) @ turned_alone.T))
+    model = np.sqrt(model) * 1.96
     robust = np.sqrt(np.maximum(np.diagonal(turned @ by_blocks @ turned.T), 0.0))
     robust *= float(student.ppf(0.975, blocks - 1))
     shown = np.sqrt(np.diagonal(inverse)) < rules.motion.shown
-    half = np.hypot(np.maximum(model, robust), _by_shapes(system, wide, len(named), numbers) * unit / gain)
-    reached = numbers * unit / gain
-    return Estimates(reached[:count], half[:, :count], shown[:count], gain[:count], np.asarray(sizes))
+    shapes = _by_shapes(system, wide, len(named), numbers) * unit / gain
+    half = np.hypot(np.maximum(model, robust[:count]), shapes[:, :count])
+    return Estimates((numbers * unit / gain)[:count], half, shown[:count], gain[:count], np.asarray(sizes))
 
 
 def _gain(system: System, members: Sequence[Member], numbers: Array) -> tuple[Array, Array]:

@@ -126,7 +126,7 @@ def test_what_is_too_small_for_a_name_is_as_large_as_it_is_told():
     for seed in range(10):
         made = drawn(np.random.default_rng(seed), off)
         named = (Member(0, 1.0), Member(FAMILIES, 1.0))
-        causes = small_causes(system, pool, made, np.full(2, NOISE**-2), named, LEAST)
+        causes = small_causes(system, pool, made, np.full(2, NOISE**-2), named, told(made))
         by_group = {member.group: member.scale for member in causes}
         scales.append([by_group.get(number, 0.0) for number in range(len(GROUPS))])
         assert not {member.group for member in named} & set(by_group)
