@@ -134,7 +134,6 @@ def diagnosed(
         identified.products,
         identified.noise.weights,
         identified.fitted,
-        identified.unnamed,
         identified.spread,
         rules=rules,
     )

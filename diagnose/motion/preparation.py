@@ -23,6 +23,8 @@ from .log import MotionLog
 
 _WORKING_RATE = 250.0
 """Hz; what is logged faster is thinned to this: gear ripple at slow speed stays below a tenth of it."""
+STRETCH = 1.0
+"""s; a shorter stretch of a log is the filters' ends."""
 _MOST = 24_000
 """Samples kept of a log; more of one log tell nothing new."""
 _HELD = 0.4
@@ -208,7 +210,7 @@ def _clocks(log: MotionLog, gap: float, step: float | None) -> list[Array]:
     edges = [0, *breaks.tolist(), log.size]
     times: list[Array] = []
     for a, b in pairwise(edges):
-        if log.time[b - 1] - log.time[a] > 1.0:
+        if log.time[b - 1] - log.time[a] > STRETCH:
             clock = log.time[a:b]
             times.append(clock if step is None else np.arange(clock[0], clock[-1], step))
     if not times:

@@ -157,7 +157,7 @@ class FittingRules:
         1.05,
         "times the RMS of the arm as given",
         "Up to so much held-out motion of a joint may leave with the arm that is written. Chance alone makes some of "
-        "six joints worse, and kept the better file from being written in 2 of 18 cases.",
+        "six joints a little worse, and kept better files from being written.",
         "development half of the proof of motion logs, seed 2026112950",
     )
     lightest: float = rule(

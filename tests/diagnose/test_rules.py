@@ -114,7 +114,16 @@ NO_RULES = {
     "motion/model/noise.py": {"_PASSES"},
     "motion/model/ripple.py": {"_DRAWS", "_EACH"},
     "motion/model/search.py": {"_MOST", "_MOST_FOR_ONE", "_PROMISING"},  # how far a search looks
-    "motion/preparation.py": {"_ENOUGH", "_HELD", "_LET_THROUGH", "_MOST", "_PIECE", "_UNTOUCHED", "_WORKING_RATE"},
+    "motion/preparation.py": {
+        "STRETCH",
+        "_ENOUGH",
+        "_HELD",
+        "_LET_THROUGH",
+        "_MOST",
+        "_PIECE",
+        "_UNTOUCHED",
+        "_WORKING_RATE",
+    },
     "motion/reading/read.py": {"_HEAD"},
     "motion/rollout/rollout.py": {"_MOST"},
     "motion/rollout/simulator.py": {"STEP", "_LOCKED", "_ROWS", "_SAME", "_SLOWEST"},  # how it goes, and rounding

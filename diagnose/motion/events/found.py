@@ -15,6 +15,7 @@ from linkwright.core.diagnose.motion.model.noise import Noise, noise
 from linkwright.core.diagnose.motion.model.products import products
 from linkwright.core.diagnose.motion.model.rows import LogRows, joint_rows, with_sources
 from linkwright.core.diagnose.motion.model.steps import may_differ, tried
+from linkwright.core.diagnose.motion.preparation import STRETCH
 from linkwright.core.diagnose.motion.result import Event
 from linkwright.core.diagnose.result import HALF, FittedParameter
 from linkwright.core.diagnose.rules.rules import Rules
@@ -75,8 +76,7 @@ def _load(pool: Candidates, row: LogRows, rules: Rules) -> Event | None:
     heard = noise(pool, products(joint_rows([row]), pool.width, near=False))
     clock = row.prepared.motion.time[row.prepared.kept]
     for made in stepped(pool, [row], heard, may_differ(pool), rules=rules):
-        # Less than a second beside an instant is no stretch of a log, and shows what filters make of its ends.
-        within = min(made.change.start.time - clock[0], clock[-1] - made.change.start.time) > 1.0
+        within = min(made.change.start.time - clock[0], clock[-1] - made.change.start.time) > STRETCH
         load = within and made.change.effect == PAYLOAD.id and made.within > 1.0 - HALF**2
         for size in made.change.parameters if load else ():
             if size.parameter == "mass" and size.interval[0] * size.interval[1] > 0.0:

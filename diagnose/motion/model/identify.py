@@ -34,10 +34,9 @@ _FOLDS = 5
 @dataclass(frozen=True)
 class Identified:
     """What was identified: `members` of the system over the rows that count; `fitted` are those and the nuisances,
-    beside which columns' sizes have random effects of standard deviation `spread` (W,), as causes `unnamed`. `gate_p`
-    is how often chance
-    would name anything; `folds` (B,) hold motion out, named by `split`; reversals count at the joints `turning` (n,);
-    `torque` (n,) is the RMS of each joint's torque where it moves, N*m."""
+    beside which columns' sizes have random effects of standard deviation `spread` (W,), and as causes `unnamed` of that
+    scale. `gate_p` is how often chance would name anything; `folds` (B,) hold motion out, named by `split`; reversals
+    count at the joints `turning` (n,); `torque` (n,) is the RMS of each joint's torque where it moves, N*m."""
 
     pool: Candidates
     rows: tuple[LogRows, ...]

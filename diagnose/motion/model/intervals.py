@@ -33,53 +33,36 @@ class Estimates:
 
 
 def estimates(
-    system: System,
-    products: Products,
-    weights: Array,
-    members: Sequence[Member],
-    unnamed: Sequence[Member] = (),
-    spread: Array | None = None,
-    *,
-    rules: Rules,
+    system: System, products: Products, weights: Array, members: Sequence[Member], unnamed: Array, *, rules: Rules
 ) -> Estimates:
     """Sizes of a set with intervals: once causes are named, the logs say how large they are, not their prior.
 
     The covariance by blocks is the sandwich of K.-Y. Liang & S. L. Zeger, Biometrika 73 (1986) 13, with Student's t of
-    the blocks' degrees of freedom. Beside the set stand random effects, `unnamed`, at their own scale: sizes are best
-    linear unbiased predictions (G. K. Robinson, Statistical Science 6 (1991) 15, doi:10.1214/ss/1177011926). Beside the
-    covariances counts how sizes change to other shapes that are as likely.
+    the blocks' degrees of freedom. That by the model holds what random effects of the columns, of standard deviations
+    `unnamed` (W,), move sizes by. Beside them counts how sizes change to other shapes that are as likely.
     """
-    count = len(system.places(members))
-    if not count:
+    at = system.places(members)
+    if not len(at):
         empty = np.zeros(0)
         return Estimates(empty, np.zeros((2, 0)), empty.astype(bool), empty, np.zeros(products.width))
-    named = [Member(member.group, rules.fitting.usual * max(member.scale, 1.0)) for member in members]
-    wide = [*named, *unnamed]
-    at = system.places(wide)
+    wide = [Member(member.group, rules.fitting.usual * max(member.scale, 1.0)) for member in members]
     inverse = np.linalg.inv(system.gram[np.ix_(at, at)] + np.diag(system.precision(wide)))
     numbers = feasible(system, wide).numbers
     sizes = system.spread[:, at] @ numbers
     scores = products.scores(sizes, weights) @ system.seen[:, at]
     blocks = max(products.blocks, 2)
     by_blocks = inverse @ (scores.T @ scores) @ inverse * blocks / (blocks - 1)
-    unit = np.concatenate([system.groups[m.group].usual for m in wide])
-    gain, slopes = _gain(system, wide, numbers * unit)
+    pulled = inverse @ system.seen[:, at].T @ products.whole(weights)[0] * unnamed
+    unit = np.concatenate([system.groups[m.group].usual for m in members])
+    gain, slopes = _gain(system, members, numbers * unit)
     # Of what a constant multiplies nobody knows more than of the constant.
     turned = (np.eye(len(at)) - (numbers * unit / gain)[:, None] * slopes) / gain[:, None] * unit
-    model = np.diagonal(turned @ inverse @ turned.T)
-    # As wide as of a fit that leaves out what has no name, of standard deviations `spread` (W,).
-    own = at[:count]
-    alone = np.linalg.inv(system.gram[np.ix_(own, own)] + np.diag(system.precision(named)))
-    pulled = alone @ system.seen[:, own].T @ products.whole(weights)[0] * (0.0 if spread is None else spread)
-    turned_alone = turned[:count, :count]
-    model = np.maximum(model[:count], np.diagonal(turned_alone @ (alone + pulled @ pulled.T) @ turned_alone.T))
-    model = np.sqrt(model) * 1.96
+    model = np.sqrt(np.diagonal(turned @ inverse @ turned.T) + ((turned @ pulled) ** 2).sum(axis=1)) * 1.96
     robust = np.sqrt(np.maximum(np.diagonal(turned @ by_blocks @ turned.T), 0.0))
     robust *= float(student.ppf(0.975, blocks - 1))
     shown = np.sqrt(np.diagonal(inverse)) < rules.motion.shown
-    shapes = _by_shapes(system, wide, len(named), numbers) * unit / gain
-    half = np.hypot(np.maximum(model, robust[:count]), shapes[:, :count])
-    return Estimates((numbers * unit / gain)[:count], half, shown[:count], gain[:count], np.asarray(sizes))
+    half = np.hypot(np.maximum(model, robust), _by_shapes(system, wide, numbers) * unit / gain)
+    return Estimates(numbers * unit / gain, half, shown, gain, np.asarray(sizes))
 
 
 def _gain(system: System, members: Sequence[Member], numbers: Array) -> tuple[Array, Array]:
@@ -99,16 +82,13 @@ def _gain(system: System, members: Sequence[Member], numbers: Array) -> tuple[Ar
     return 1.0 + change @ numbers, change
 
 
-def _by_shapes(system: System, members: Sequence[Member], named: int, numbers: Array) -> Array:
-    """How much less and more (2, k) the numbers of members are by other shapes of the first `named` of them that are as
-    likely as those taken: an amplitude that goes with its shape is larger or smaller by that, and not of the other
-    sign."""
+def _by_shapes(system: System, members: Sequence[Member], numbers: Array) -> Array:
+    """How much less and more (2, k) the numbers are by the shapes that are as likely as those taken: an amplitude that
+    goes with its shape is larger or smaller by that, and not of the other sign."""
     half = np.zeros((2, len(numbers)))
-    for place, member in enumerate(members[:named]):
-        if not system.groups[member.group].shapes:
-            continue
+    for place, member in enumerate(members):
         offered = system.offers([*members[:place], *members[place + 1 :]]).evidence
-        for other in system.as_likely(member.group, offered):
+        for other in system.as_likely(member.group, offered) if system.groups[member.group].shapes else ():
             changed = [*members[:place], Member(other, member.scale), *members[place + 1 :]]
             change = system.numbers(changed) - numbers
             half = np.maximum(half, [-change, change])
