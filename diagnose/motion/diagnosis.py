@@ -36,7 +36,7 @@ from .model.products import products
 from .model.ripple import Ripple, ripples
 from .model.rows import LogRows, joint_rows, log_rows, with_sources
 from .preparation import PreparedLog, prepare
-from .result import Event, MotionDiagnosis, OfJoint
+from .result import Event, MotionDiagnosis, MotionFinding, OfJoint
 from .rollout.rollout import rollout
 from .sentences import answer, event_words, verdict_of
 from .unknown import Structure, since, structure, unknown_of, variables
@@ -59,6 +59,18 @@ class RestsOn:
     identified: Identified
     sizes: Estimates
     different: Differing
+
+
+@dataclass(frozen=True)
+class _Left:
+    """RMS (n,) N*m by joint: as given, of the file, of the file held out, of the names held out, and noise; NaN where a
+    joint stood still."""
+
+    before: Array
+    after: Array
+    held_out: Array
+    of_named: Array
+    floor: Array
 
 
 def diagnose_motion(
@@ -256,54 +268,18 @@ def _result(
     identified, sizes, different = rests_on.identified, rests_on.sizes, rests_on.different
     prepared, squares = [row.prepared for row in given], squares_of(given, identified.pool.width)
     written, counts = judge.written, judge.counts
-    moves = counts.sum(axis=0) > 0
-    before, after, held, of_named, floor = (
-        np.where(moves, item, np.nan)  # nobody knows what a model is worth at a joint that stood still
-        for item in (
-            *(
-                np.sqrt(left.sum(axis=0) / np.maximum(counts.sum(axis=0), 1))
-                for left in (squares, written.left, written.held_out, judge.named.beside[1])
-            ),
-            identified.noise.sigma,
-        )
-    )
-    per_joint = tuple(
-        OfJoint(
-            joint + 1,
-            float(before[joint]),
-            float(after[joint]),
-            float(held[joint]),
-            float(floor[joint]),
-            float(held[joint] / identified.torque[joint]),
-            seen[joint].names if seen[joint].p_value <= rules.residual.level else (),
-            seen[joint].p_value,
-        )
-        for joint in range(arm.size)
-    )
-    heard = _heard(prepared)
-    beyond = _beyond_noise(floor, identified.torque, heard, rules)
-    least = np.minimum(rules.motion.unexplained * identified.torque, heard)
-    open_joints = [
-        item.joint
-        for item, what, large in zip(per_joint, seen, beyond.tolist(), strict=True)
-        if large or (item.depends_on and item.floor * max(what.shares) ** 0.5 > least[item.joint - 1])
-    ]
+    left, heard = _left_by_joint(identified, judge, squares), _heard(prepared)
+    per_joint = tuple(_of_joint(joint, left, identified, seen[joint], rules) for joint in range(arm.size))
     every = (
         *differing_findings(different, identified.pool, rules=rules),
         *findings(identified, sizes, judge, arm, rules=rules),
-        *(finding_of(effect, item, held) for effect, item in swift),
+        *(finding_of(effect, item, left.held_out) for effect, item in swift),
     )
     named = tuple(sorted(every, key=lambda item: item.small))
     small = {(item.effect, item.at) for item in named if item.small}
     together = tuple(judge.added_by(small, identified.pool).tolist())
-    # What is named at a joint and yet foretells no other motion of it is not what is there.
-    claimed = np.sqrt(sum((np.square(item.rms_explained) for item in named), np.zeros(arm.size)))
-    worse = [
-        joint + 1
-        for joint in range(arm.size)
-        if claimed[joint] > 0.5 * before[joint] and of_named[joint] > before[joint]
-    ]
-    unknown = unknown_of(sorted({*worse, *open_joints}), seen, per_joint)
+    unexplained = {*_misleading(named, left), *_open_joints(per_joint, seen, identified, heard, rules)}
+    unknown = unknown_of(sorted(unexplained), seen, per_joint)
     change = None if unknown is None else change_of(identified, rules=rules)
     if unknown is not None and change is not None:
         unknown = since(unknown, change)
@@ -322,10 +298,10 @@ def _result(
         per_joint=per_joint,
         findings=named,
         unknown=unknown,
-        rms_before=_together(before),
-        rms_after=_together(after),
-        rms_held_out=_together(held),
-        noise_floor=_together(floor),
+        rms_before=_together(left.before),
+        rms_after=_together(left.after),
+        rms_held_out=_together(left.held_out),
+        noise_floor=_together(left.floor),
         gate_p=min(identified.gate_p, *(item.p_value for item in named if item.recording), 1.0),
         split=identified.split,
         cutoff=prepared[0].low_pass,
@@ -334,7 +310,7 @@ def _result(
         of_logs=tuple(of_log(identified, judge, squares, number) for number in range(len(logs))),
         corrected=written.arm,
         notes=(
-            *_contradictions(arm, identified.split, after, held, heard, rules),
+            *_contradictions(arm, identified.split, left.after, left.held_out, heard, rules),
             _HELD_OUT,
             *([_ALONE] if different.differences else []),
             *_sparse(prepared),
@@ -347,6 +323,47 @@ def _result(
         seconds=time.perf_counter() - begun,
         events=events,
     )
+
+
+def _left_by_joint(identified: Identified, judge: Judged, squares: Array) -> _Left:
+    counts = judge.counts
+    squared = (squares, judge.written.left, judge.written.held_out, judge.named.beside[1])
+    rms = (np.sqrt(each.sum(axis=0) / np.maximum(counts.sum(axis=0), 1)) for each in squared)
+    # Nobody knows what a model is worth at a joint that stood still.
+    return _Left(*(np.where(counts.sum(axis=0) > 0, each, np.nan) for each in (*rms, identified.noise.sigma)))
+
+
+def _of_joint(joint: int, left: _Left, identified: Identified, seen: Structure, rules: Rules) -> OfJoint:
+    return OfJoint(
+        joint + 1,
+        float(left.before[joint]),
+        float(left.after[joint]),
+        float(left.held_out[joint]),
+        float(left.floor[joint]),
+        float(left.held_out[joint] / identified.torque[joint]),
+        seen.names if seen.p_value <= rules.residual.level else (),
+        seen.p_value,
+    )
+
+
+def _open_joints(
+    per_joint: Sequence[OfJoint], seen: Sequence[Structure], identified: Identified, heard: Array, rules: Rules
+) -> list[int]:
+    """The joints (from 1) of which more is left than noise, or something that depends on the motion."""
+    floor = np.array([item.floor for item in per_joint])
+    beyond = _beyond_noise(floor, identified.torque, heard, rules)
+    least = np.minimum(rules.motion.unexplained * identified.torque, heard)
+    return [
+        item.joint
+        for item, what, large in zip(per_joint, seen, beyond.tolist(), strict=True)
+        if large or (item.depends_on and item.floor * max(what.shares) ** 0.5 > least[item.joint - 1])
+    ]
+
+
+def _misleading(named: Sequence[MotionFinding], left: _Left) -> list[int]:
+    """The joints (from 1) at which what is named foretells no other motion, and so is not what is there."""
+    claimed = np.sqrt(sum((np.square(item.rms_explained) for item in named), np.zeros(len(left.before))))
+    return (np.flatnonzero((claimed > 0.5 * left.before) & (left.of_named > left.before)) + 1).tolist()
 
 
 def _heard(prepared: Sequence[PreparedLog]) -> Array:

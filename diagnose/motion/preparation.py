@@ -117,6 +117,33 @@ def low_pass(columns: Array, cutoff: float, rate: float) -> Array:
     return np.asarray(sosfiltfilt(sections, columns, axis=0, padlen=padding), dtype=float)
 
 
+@dataclass(frozen=True)
+class _Even:
+    """Columns of a log at even instants of each stretch, and every how manyth of these is worked with."""
+
+    time: Array
+    instants: list[Array]
+    rate: float
+    divide: int
+
+    def at(self, values: Array) -> list[Array]:
+        """Samples (N,) or (N, k) at the instants (M, k) of each stretch."""
+        columns = values.reshape(len(values), -1).T
+        return [np.column_stack([np.interp(t, self.time, column) for column in columns]) for t in self.instants]
+
+    def thinned(self, values: Array) -> list[Array]:
+        """The same at the instants that are worked with, after a low-pass that these can hold."""
+        even = self.at(values)
+        if self.divide == 1:
+            return even
+        cutoff = _HELD * self.rate / self.divide
+        return [low_pass(part, cutoff, self.rate)[:: self.divide] for part in even]
+
+    def joined(self, values: Array | None) -> Array | None:
+        """The same of all stretches, one below the other; None where the log has none."""
+        return None if values is None else np.concatenate(self.thinned(values))
+
+
 def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
     """A log prepared for an arm by rules.
 
@@ -128,43 +155,24 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
     rate = 1.0 / step
     held = _HELD * rate >= min(log.cutoff or np.inf, rules.motion.low_pass[0])
     times = _clocks(log, max(rules.motion.gap, rules.log.gap * step), step if held else None)
-    n = arm.size
-
-    def even(values: Array | None) -> list[Array] | None:
-        if values is None:
-            return None
-        table = values if values.ndim == 2 else values[:, None]
-        return [np.column_stack([np.interp(t, log.time, column) for column in table.T]) for t in times]
-
     divide = max(1, int(np.floor(rate / _WORKING_RATE + 1e-9)))
     working = rate / divide
-
-    def thinned(values: list[Array]) -> list[Array]:
-        return values if divide == 1 else [low_pass(v, _HELD * working, rate)[::divide] for v in values]
-
-    q = thinned(_need(even(log.q)))
+    even = _Even(log.time, times, rate, divide)
+    q = even.thinned(log.q)
     torque, unknown = bridged(log.torque, log.time)
-    measured = thinned(_need(even(torque)))
-    made_up = np.concatenate([part[::divide] > 0.0 for part in _need(even(unknown))])
-    logged = even(log.velocity)
+    measured = even.thinned(torque)
+    made_up = np.concatenate([part[::divide] > 0.0 for part in even.at(unknown)])
     cutoff = log.cutoff or _cutoff(q, working, rules) if held else np.inf
     smooth = min(rules.motion.bands * cutoff, _HELD * working)
     clock = [t[::divide] for t in times]
     since = [np.arange(len(t)) / working if held else t for t in clock]
     share = 1.0 if held else _share_resolved(q, since)
     around = min(cutoff, _HELD * working)
-    speeds = _speeds(q, None if logged is None else thinned(logged), since, share, smooth, around, working, rules)
+    logged = None if log.velocity is None else even.thinned(log.velocity)
+    speeds = _speeds(q, logged, since, share, smooth, around, working, rules)
     sampled = 1.0 if held else share * _share_resolved(speeds, since)
     accelerations = [sampled * slope(v, t) for v, t in zip(speeds, since, strict=True)]
-
-    def joined(values: Array | None) -> Array | None:
-        values_even = even(values)
-        return None if values_even is None else np.concatenate(thinned(values_even))
-
-    def single(values: Array | None) -> Array | None:
-        values_joined = joined(values)
-        return None if values_joined is None else values_joined[:, 0]
-
+    payload, temperature = even.joined(log.payload_mass), even.joined(log.temperature)
     motion = Motion(
         arm,
         np.concatenate(clock),
@@ -172,10 +180,10 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
         np.concatenate(speeds),
         np.concatenate(accelerations),
         None,
-        joined(log.commanded),
-        joined(log.joint_side),
-        single(log.payload_mass),
-        single(log.temperature),
+        even.joined(log.commanded),
+        even.joined(log.joint_side),
+        None if payload is None else payload[:, 0],
+        None if temperature is None else temperature[:, 0],
         sampled,
     )
     edges = np.cumsum([0, *(len(t) for t in clock)])
@@ -183,8 +191,20 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
     apart = max(1, int(working / (rules.motion.bands * cutoff)), int(np.ceil(motion.size / _MOST)))
     indices = np.concatenate([np.arange(stretch.start + apart // 2, stretch.stop, apart) for stretch in stretches])
     moving, near = _counting(motion, stretches, working, cutoff, rules)
-    known = np.isfinite(np.concatenate(measured))
-    blur = round(0.25 / cutoff * working)
+    known = np.isfinite(np.concatenate(measured)) & _known(
+        log, motion, stretches, made_up, round(0.25 / cutoff * working)
+    )
+    moving, near = moving & known, near & known
+    near &= moving.any(axis=0)  # friction is told by steady motion first: a joint that only trembles tells none
+    tidy = np.nan_to_num(np.concatenate(measured))
+    return PreparedLog(log, motion, tidy, working, cutoff, stretches, indices, moving[indices], near[indices])
+
+
+def _known(
+    log: MotionLog, motion: Motion, stretches: tuple[Stretch, ...], made_up: NDArray[np.bool_], blur: int
+) -> NDArray[np.bool_]:
+    """Where torques (N, n) are neither near one that was made up, as far as the low-pass blurs, nor set aside."""
+    known = np.ones_like(made_up)
     for stretch in stretches:
         part = slice(stretch.start, stretch.stop)
         for joint in np.flatnonzero(made_up[part].any(axis=0)).tolist():
@@ -192,16 +212,7 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
             known[part, joint] &= ~_around(places, blur, stretch.stop - stretch.start)
     for begin, end in log.aside:
         known &= ~((motion.time >= begin) & (motion.time <= end))[:, None]
-    moving, near = moving & known, near & known
-    near &= moving.any(axis=0)  # friction is told by steady motion first: a joint that only trembles tells none
-    tidy = np.nan_to_num(np.concatenate(measured))
-    assert moving.shape[1] == n
-    return PreparedLog(log, motion, tidy, working, cutoff, stretches, indices, moving[indices], near[indices])
-
-
-def _need(values: list[Array] | None) -> list[Array]:
-    assert values is not None
-    return values
+    return known
 
 
 def _clocks(log: MotionLog, gap: float, step: float | None) -> list[Array]:
