@@ -7,7 +7,7 @@ from typing import Any
 
 import typer
 
-from linkwright.command_line import COMMANDS, command_line
+from linkwright.command_line import command_line, commands
 
 PROGRAM = "linkwright"
 
@@ -19,8 +19,8 @@ def command_named(name: str) -> Any:
 
 def command_pages() -> dict[str, str]:
     """A page of Markdown for each command, by its place on the site, and one that lists them."""
-    pages = {f"commands/{name}.md": _page(name, command_named(name)) for name in COMMANDS}
-    rows = [f"| [`{PROGRAM} {name}`]({name}.md) | {_cell(_brief(command_named(name)))} |" for name in COMMANDS]
+    pages = {f"commands/{name}.md": _page(name, command_named(name)) for name in commands()}
+    rows = [f"| [`{PROGRAM} {name}`]({name}.md) | {_cell(_brief(command_named(name)))} |" for name in commands()]
     start = ["# Commands", "", f"Written from the program itself; `{PROGRAM} COMMAND --help` says the same.", ""]
     return {"commands/index.md": "\n".join([*start, "| command | does |", "|---|---|", *rows, ""]), **pages}
 

@@ -30,23 +30,8 @@ if TYPE_CHECKING:
 VERSION = "--version"
 NO_ANSWER, WRONG_INPUT, READER_GONE = 1, 2, 141
 
-COMMANDS: Mapping[str, tuple[str, str]] = MappingProxyType(
-    {
-        **dict.fromkeys(("evaluate", "optimize", "tradeoff", "inverse", "seam", "budget"), ("from_face", "Design")),
-        **dict.fromkeys(("diagnose", "compare", "predict", "compensate"), ("from_face", "Diagnose")),
-        **dict.fromkeys(("plan", "watch", "simulate"), ("from_face", "Diagnose")),
-        **dict.fromkeys(("import", "export", "columns"), ("from_face", "Files")),
-        **{name: (f"catalogues.{name}", "Catalogues") for name in ("materials", "sections", "actuators", "effects")},
-        **dict.fromkeys(("tables", "figures"), ("from_face", "Paper")),
-        "serve": ("serve", "Program"),
-        "doctor": ("doctor", "Program"),
-    }
-)
-"""Every command with its module and the part of the help where it stands, in their order. A module has `commands()`,
-those that are made of the functions of `linkwright`, by name; or `HELP` and a function of the command's name; or
-`group()`, the commands that a command has of its own. What they work with they import inside their functions, for the
-help of all commands imports every one of these modules but those of catalogues."""
-
+PANELS = ("Design", "Diagnose", "Files", "Catalogues", "Paper", "Program")
+"""The parts of the help, in their order."""
 CATALOGUES: Mapping[str, str] = MappingProxyType(
     {
         "materials": "What links can be made of: list, show, compare, add, edit, remove, import, export, check.",
@@ -55,7 +40,10 @@ CATALOGUES: Mapping[str, str] = MappingProxyType(
         "effects": "The physics that the models know: list, show.",
     }
 )
-"""The commands that have commands of their own, and their help."""
+"""The commands that have commands of their own, and their help: `group()` of the module of that name."""
+
+PROGRAM = ("serve", "doctor")
+"""The commands that call no function of `linkwright`: `HELP` and a function of its name, in the module of that name."""
 
 STATUSES = (
     "Exit status: 0 done, 1 a well-formed question without an answer, 2 wrong input (one line says which). "
@@ -83,6 +71,19 @@ def _start(
         typer.echo(context.get_help())
 
 
+def commands() -> Mapping[str, str]:
+    """Every command with the part of the help where it stands, in the help's order."""
+    own = dict.fromkeys(CATALOGUES, "Catalogues") | dict.fromkeys(PROGRAM, "Program")
+    every = {name: command.panel for name, command in _made().items()} | own
+    return dict(sorted(every.items(), key=lambda item: PANELS.index(item[1])))
+
+
+def _made() -> Mapping[str, Made]:
+    from linkwright.commands.from_face import commands as made  # here, for a look into a catalogue needs none of them
+
+    return made()
+
+
 def command_line(asked: str = "") -> typer.Typer:
     """The command line with the command that is asked for; for any other word, with all, the groups by their help only.
 
@@ -90,21 +91,30 @@ def command_line(asked: str = "") -> typer.Typer:
     """
     root: dict[str, Any] = {**PLAIN, "add_completion": True}
     made: Any = typer.Typer(help=HELP, epilog=STATUSES, callback=_start, invoke_without_command=True, **root)
-    for name in (asked,) if asked in COMMANDS else () if asked == VERSION else COMMANDS:
-        home, panel = COMMANDS[name]
+    for name, panel in _wanted(asked).items():
         if name in CATALOGUES and name != asked:
             made.add_typer(command_group(CATALOGUES[name], {}), name=name, rich_help_panel=panel)
-            continue
-        module: Any = import_module(f"linkwright.commands.{home}")
-        if name in CATALOGUES:
+        elif name in CATALOGUES:
+            module: Any = import_module(f"linkwright.commands.catalogues.{name}")
             made.add_typer(command_group(CATALOGUES[name], module.group()), name=name, rich_help_panel=panel)
-        elif hasattr(module, "commands"):
-            command: Made = module.commands()[name]
+        elif name in PROGRAM:
+            module = import_module(f"linkwright.commands.{name}")
+            made.command(name, help=module.HELP, rich_help_panel=panel)(getattr(module, name))
+        else:
+            command = _made()[name]
             settings = {"ignore_unknown_options": True} if command.negative else {}
             made.command(name, help=command.help, context_settings=settings, rich_help_panel=panel)(command.typed())
-        else:
-            made.command(name, help=module.HELP, rich_help_panel=panel)(getattr(module, name))
     return made
+
+
+def _wanted(asked: str) -> Mapping[str, str]:
+    """The commands that a word can come to, with their parts of the help."""
+    if asked == VERSION:
+        return {}
+    if asked in CATALOGUES or asked in PROGRAM:
+        return {asked: ""}
+    every = commands()
+    return {asked: every[asked]} if asked in every else every
 
 
 def outcome(arguments: Sequence[str] | None = None) -> int:

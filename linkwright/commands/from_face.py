@@ -345,32 +345,40 @@ def commands() -> Mapping[str, Made]:
     figures = Out("Write report.html, result.json and a CSV file per figure there.", FIGURES)
     plain: Any = {"markdown": False, "catalogue": False}
     drawing: Any = {"doing": "computing the paper's figures", "out": figures, "unwritten": NOTHING}
-    made = (
-        Made("evaluate", doing="evaluating", out=Out(), pdf=True, tip=True),
-        Optimize("optimize", out=Out(), pdf=True, kept="this is the best design so far", apart=True),
-        Tradeoff(
-            "tradeoff",
-            doing="setting up the trade-off",
-            out=FOLDER,
-            pdf=True,
-            kept="these are the points solved so far",
-            also={"csv": CsvFile},
-            apart=True,
+    made = {
+        "Design": (
+            Made("evaluate", doing="evaluating", out=Out(), pdf=True, tip=True),
+            Optimize("optimize", out=Out(), pdf=True, kept="this is the best design so far", apart=True),
+            Tradeoff(
+                "tradeoff",
+                doing="setting up the trade-off",
+                out=FOLDER,
+                pdf=True,
+                kept="these are the points solved so far",
+                also={"csv": CsvFile},
+                apart=True,
+            ),
+            Made("inverse", doing="looking for poses", tip=True, negative=True),
+            Made("seam", doing="following the seam", tip=True),
+            Made("budget", out=watched, pdf=True, tip=True),
         ),
-        Made("inverse", doing="looking for poses", tip=True, negative=True),
-        Made("budget", out=watched, pdf=True, tip=True),
-        Diagnose("diagnose", doing="preparing", out=Out(), pdf=True, tip=True),
-        Made("compare", doing="preparing", tip=True),
-        Made("predict", doing="predicting", tip=True),
-        Made("compensate", doing="computing the table", out=table, tip=True),
-        Plan("plan", out=plan, tip=True, kept="this is the best plan so far"),
-        Made("watch", doing="preparing", out=watched, pdf=True, tip=True),
-        Simulate("simulate", doing="simulating", out=recording, tip=True),
-        Written("import", "import_arm", out=read, catalogue=False),
-        Made("columns", out=settings, catalogue=False, tip=True),
-        Export("export", "export_arm", out=exported),
-        Tables("tables", "paper_tables", out=watched, pdf=True, also=TABLES, **plain),
-        Drawings("figures", "paper_figures", **drawing, **plain),
-        Made("seam", doing="following the seam", tip=True),
-    )
-    return {item.name: item for item in made}
+        "Diagnose": (
+            Diagnose("diagnose", doing="preparing", out=Out(), pdf=True, tip=True),
+            Made("compare", doing="preparing", tip=True),
+            Made("predict", doing="predicting", tip=True),
+            Made("compensate", doing="computing the table", out=table, tip=True),
+            Plan("plan", out=plan, tip=True, kept="this is the best plan so far"),
+            Made("watch", doing="preparing", out=watched, pdf=True, tip=True),
+            Simulate("simulate", doing="simulating", out=recording, tip=True),
+        ),
+        "Files": (
+            Written("import", "import_arm", out=read, catalogue=False),
+            Export("export", "export_arm", out=exported),
+            Made("columns", out=settings, catalogue=False, tip=True),
+        ),
+        "Paper": (
+            Tables("tables", "paper_tables", out=watched, pdf=True, also=TABLES, **plain),
+            Drawings("figures", "paper_figures", **drawing, **plain),
+        ),
+    }
+    return {item.name: replace(item, panel=panel) for panel, items in made.items() for item in items}

@@ -186,6 +186,7 @@ class Made:
         negative: an argument may begin with a minus.
         also: options of its own for files to write, by name.
         apart: an empty line stands before the answer, after what was told on the way.
+        panel: the part of the help where it stands.
     """
 
     name: str
@@ -201,6 +202,7 @@ class Made:
     negative: bool = False
     also: Mapping[str, Any] = field(default_factory=dict[str, Any])
     apart: bool = False
+    panel: str = ""
 
     @property
     def called(self) -> str:

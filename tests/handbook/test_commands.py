@@ -17,7 +17,7 @@ import typer
 from handbook.commands import command_named
 from handbook.sources import ROOT
 from linkwright.cli import run
-from linkwright.command_line import COMMANDS, command_line
+from linkwright.command_line import command_line, commands
 from tests.costs import slow_but
 from tests.handbook.pages import PAGES, Shown, shown, spoken, told
 
@@ -53,7 +53,7 @@ def test_shown_command_parses(each):
     assert [value for value in named if not (ROOT / value).exists()] == []
 
 
-@pytest.mark.parametrize("name", COMMANDS)
+@pytest.mark.parametrize("name", commands())
 def test_examples_of_the_help_parse(name):
     """They are what `--help` and the reference show: one at least of each command that is no group, and its own."""
     command = command_named(name)
@@ -71,10 +71,10 @@ def test_examples_of_the_help_parse(name):
 def test_spoken_commands_are_there(page):
     """Within sentences: the command, the command of its group, and every option that is named with it."""
     wrong = []
-    for words in spoken(page, set(COMMANDS)):
+    for words in spoken(page, set(commands())):
         if not words or words[0].rstrip(",.") == "..." or words[0] in OPTIONS:
             continue
-        if words[0] not in COMMANDS:
+        if words[0] not in commands():
             wrong.append(words)
             continue
         command = command_named(words[0])

@@ -8,7 +8,7 @@ from handbook.docstrings import fenced
 from handbook.links import relinked
 from handbook.python_face import python_pages
 from handbook.sources import ROOT, sources_here
-from linkwright.command_line import COMMANDS
+from linkwright.command_line import commands
 
 SOURCES = sources_here()
 
@@ -16,7 +16,7 @@ SOURCES = sources_here()
 def test_every_option_of_every_command_is_told():
     """With what it says itself."""
     pages = command_pages()
-    for name in COMMANDS:
+    for name in commands():
         page = pages[f"commands/{name}.md"]
         command = command_named(name)
         for item in getattr(command, "commands", {"": command}).values():

@@ -1,15 +1,15 @@
 """Commands are made of the functions of `linkwright`: their options are its parameters, their help its docstring."""
 
 import inspect
-from importlib import import_module
 
 import pytest
 import typer
 
 import linkwright as lw
 from linkwright.api.signature import Argument
-from linkwright.command_line import COMMANDS, command_line
-from linkwright.commands.made import Made, Targets, help_of
+from linkwright.command_line import command_line, commands
+from linkwright.commands.from_face import commands as of_functions
+from linkwright.commands.made import Targets, help_of
 
 SHARED = {*Targets.__dataclass_fields__, "tip", "catalogue", "workers", "dask", "quiet", "verbose"}
 """What commands ask for beside what their functions do: files to read and write, who works, how much is shown."""
@@ -17,19 +17,13 @@ FOR_PROGRAMS = {"progress", "workers", "executor", "log", "out_of_reach", "begun
 """What functions take and no command asks for: who hears of the work and who does it, and a frame known otherwise."""
 
 
-def made() -> dict[str, Made]:
-    modules = {home for home, _ in COMMANDS.values()}
-    held = [import_module(f"linkwright.commands.{home}") for home in modules]
-    return {name: command for one in held if hasattr(one, "commands") for name, command in one.commands().items()}
-
-
-MADE = made()
+MADE = of_functions()
 
 
 def test_commands_are_made():
     """Nearly all: a server, a look at the installation and the catalogues' editors are no functions of one call."""
     assert {"evaluate", "optimize", "tradeoff", "diagnose", "plan", "simulate", "import", "export", "seam"} <= set(MADE)
-    assert set(COMMANDS) - set(MADE) == {"serve", "doctor", "materials", "sections", "actuators", "effects"}
+    assert set(commands()) - set(MADE) == {"serve", "doctor", "materials", "sections", "actuators", "effects"}
 
 
 @pytest.mark.parametrize("name", sorted(MADE))

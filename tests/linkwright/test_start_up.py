@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from linkwright.command_line import COMMANDS
+from linkwright.command_line import commands
 from tests.linkwright.conftest import ROOT
 
 HEAVY = {
@@ -60,7 +60,7 @@ def test_no_look_up_loads_a_solver():
 
 def test_the_help_of_no_command_loads_a_solver():
     """In one process too."""
-    assert not loaded(*(f"{name} --help" for name in COMMANDS)) & HEAVY
+    assert not loaded(*(f"{name} --help" for name in commands())) & HEAVY
 
 
 def test_a_command_with_work_to_do_loads_what_it_works_with():

@@ -7,7 +7,7 @@ import threading
 import pytest
 import typer
 
-from linkwright.command_line import COMMANDS, command_line
+from linkwright.command_line import command_line, commands
 
 LONG = "a" * 300
 INPUTS = [
@@ -127,7 +127,7 @@ def test_what_is_no_file_is_one_line(linkwright, line):
 
 
 def test_every_file_of_every_command_is_tried():
-    for name in COMMANDS:
+    for name in commands():
         for path, command in commands_of(typer.main.get_command(command_line(name)), ()):
             own = [line for line in INPUTS if line.startswith(" ".join(path))]
             for param in command.params:
