@@ -10,7 +10,7 @@ from linkwright.core.sections.numeric import Number
 WallKind: TypeAlias = Literal["internal", "bent", "outstand", "angle", "legs", "round"]
 
 Point: TypeAlias = tuple[Number, Number]
-"""(y, z) of a point on a wall's middle line, about the section's centroid, m."""
+"""(y, z) of a point on a wall's middle line, from the left and lower edge of the section's bounding box, m."""
 
 
 @dataclass(frozen=True)
