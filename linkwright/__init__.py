@@ -3,8 +3,9 @@
 `import linkwright as lw` and ask: `lw.evaluate`, `lw.optimize`, `lw.diagnose`, ... Every name is loaded when it is
 first used, so the import alone costs nothing. Quantities are text with a unit (`"400 mm"`) or numbers in SI.
 
-What adds to it needs these names alone (docs/how-to/extending.md): `lw.Effect`, `lw.Figure`, `lw.Shape`,
-`lw.numeric`, ... The rest of the engine, `linkwright.core`, may change from one version to the next.
+What adds to it needs these names (docs/how-to/extending.md): `lw.Effect`, `lw.Figure`, `lw.Shape`, `lw.numeric`, ...;
+an instrument those of `linkwright.core.diagnose.instruments` too, a shape with walls `linkwright.core.sections.Wall`.
+The rest of the engine, `linkwright.core`, may change from one version to the next.
 """
 
 from __future__ import annotations
