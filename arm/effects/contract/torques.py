@@ -90,6 +90,7 @@ def _faults(effect: Effect, motion: Motion) -> Iterator[str]:
         return
     if not isinstance(effect.torques, Bent):
         yield from _unlike(tried, whole)
+    yield from _driving(tried)
     for index, joint in enumerate(motion.arm.joints if effect.place in ("joint", "link") else ()):
         if not effect.can_act(index, revolute=joint.revolute) and tried.table(usual, (index,)).any():
             yield f"takes torque where it cannot act ({effect.only})"
@@ -97,6 +98,18 @@ def _faults(effect: Effect, motion: Motion) -> Iterator[str]:
     passive = replace(motion.arm, joints=(*joints[:-1], replace(joints[-1], passive=True)))
     if effect.drive.needed and size - 1 in _Tried(effect, replace(motion, arm=passive)).torques(usual):
         yield "takes torque of a joint without a drive"
+
+
+def _driving(tried: _Tried) -> Iterator[str]:
+    """Where friction of steady motion one way helps a joint on, at sizes that cannot be negative."""
+    effect, motion = tried.effect, tried.motion
+    if effect.cause != "friction in motion" or any(size.lower < 0.0 for size in effect.torque_sizes):
+        return
+    speed = np.full(motion.q.shape, 0.5)
+    way = motion.time[:, None] * speed
+    steady = replace(motion, q=way, velocity=speed, acceleration=0.0 * speed, commanded=way + 1e-3, joint_side=way)
+    if (_Tried(effect, steady).table(tried.usual).sum(axis=0) < 0.0).any():
+        yield "helps joints on that it should brake: torques are positive where the drive pushes towards more of q"
 
 
 def _unlike(tried: _Tried, whole: Array) -> Iterator[str]:

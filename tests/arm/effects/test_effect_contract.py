@@ -112,6 +112,18 @@ def test_a_default_that_is_not_what_the_torques_go_by_is_told() -> None:
         check(replace(stribeck, parameters=(size, replace(speed, default=0.3))))
 
 
+def test_friction_that_drives_is_told() -> None:
+    """Friction takes energy from steady motion, whichever law it follows."""
+    viscous = EFFECTS["friction_viscous"]
+
+    def driving(motion: Motion, settings: Settings) -> dict[int, Array]:
+        assert viscous.torques is not None
+        return {joint: -torque for joint, torque in viscous.torques(motion, settings).items()}
+
+    with pytest.raises(InputError, match="helps joints on that it should brake"):
+        check(replace(viscous, torques=driving))
+
+
 def test_torque_of_a_joint_without_a_drive_is_told() -> None:
     def everywhere(motion: Motion, settings: Settings) -> dict[int, Array]:
         acting = (index for index in range(motion.arm.size) if settings.acts_at(index))
