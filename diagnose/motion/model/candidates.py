@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import itertools
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 
@@ -11,7 +12,7 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects import EFFECTS
-from linkwright.core.arm.effects.effect import Effect
+from linkwright.core.arm.effects.effect import Effect, Parameter
 from linkwright.core.arm.effects.loads.inertial import OfInertia
 from linkwright.core.arm.effects.torques import Bent
 from linkwright.core.arm.motion.motion import Motion
@@ -135,28 +136,80 @@ def with_variants(
     return Candidates(tuple(sources), tuple(groups_of(sources, arm, masses, pool.clock, rules)), width, pool.clock)
 
 
-def refined(pool: Candidates, chosen: Sequence[int], *, rules: Rules) -> Candidates:
+def refined(pool: Candidates, chosen: Sequence[int], *, named: bool = False, rules: Rules) -> Candidates:
     """The candidates with shapes of some groups (their numbers) between those that were tried and these groups' own,
-    within the grid: beyond it, a form that other physics takes on would pass for the effect."""
-    sources, groups, width = list(pool.sources), list(pool.groups), pool.width
-    by_start = {source.start: source for source in pool.sources}
-    for group in (pool.groups[number] for number in chosen):
-        source = by_start[int(group.columns[0])]
-        shapes_ = () if group.tied or source.by_load else source.effect.torque_shapes
-        for shape in (item for item in shapes_ if not item.whole and group.variants > 1):
-            value = group.shapes[shape.name]
-            tried = sorted(other.shapes[shape.name] for other in groups if other.family == group.family)
+    within the grid until they are `named`: beyond it, a form that other physics takes on would pass for the effect."""
+    more: list[tuple[int, str, list[float]]] = []
+    for number in chosen:
+        for shape in (item for item in _free_shapes(pool, number) if not item.whole):
+            value, tried = pool.groups[number].shapes[shape.name], _tried(pool, number, shape.name)
+            if len(tried) < 2:
+                continue
             at = tried.index(value)
             below = tried[at - 1] if at else value**2 / tried[at + 1]
             above = tried[at + 1] if at + 1 < len(tried) else value**2 / below
             least = max(shape.grid[0], rules.motion.slow if shape.kind == "angular_speed" else 0.0)
-            for between in np.geomspace(below, above, 2 * _BETWEEN + 1).tolist():
-                if not least < between < shape.grid[-1] or np.isclose(between, tried).any():
-                    continue
-                shapes = {**group.shapes, shape.name: between}
-                sources.append(replace(source, shapes=shapes, start=width))
-                groups.append(replace(group, shapes=shapes, columns=sources[-1].columns))
-                width += len(source.sizes)
+            least, most = (shape.lower, shape.upper) if named else (least, shape.grid[-1])
+            between = np.geomspace(below, above, 2 * _BETWEEN + 1).tolist()
+            more.append((number, shape.name, [each for each in between if least < each < most]))
+    return _with_shapes(pool, more)
+
+
+def beyond(pool: Candidates, chosen: Sequence[tuple[int, bool, bool]], *, rules: Rules) -> Candidates:
+    """The candidates with shapes of some groups (their numbers) below the least and above the greatest that were tried,
+    where that is asked, to the ends of what the parameter may be, and with those between where a group's own is beyond
+    the grid: of a cause that is named, they may be as likely."""
+    outside = [
+        number
+        for number, *_ in chosen
+        for shape in _free_shapes(pool, number)
+        if not shape.grid[0] <= pool.groups[number].shapes[shape.name] <= shape.grid[-1]
+    ]
+    pool = refined(pool, outside, named=True, rules=rules)
+    more: list[tuple[int, str, list[float]]] = []
+    for number, below, above in chosen:
+        for shape in _free_shapes(pool, number):
+            tried = _tried(pool, number, shape.name)
+            if shape.whole:
+                steps = range(1, _BETWEEN + 1)
+                values = [tried[0] - step for step in steps if below] + [tried[-1] + step for step in steps if above]
+                more.append((number, shape.name, [value for value in values if value in shape.grid]))
+                continue
+            step = (shape.grid[1] / shape.grid[0]) ** (1.0 / (2 * _BETWEEN))
+            ends = [(tried[0], shape.lower)] * below + [(tried[-1], shape.upper)] * above
+            for begun, end in ends:
+                count = math.ceil(abs(math.log(end / begun)) / math.log(step)) + 1 if end > 0.0 else 1
+                more.append((number, shape.name, np.geomspace(begun, end, count).tolist() if count > 1 else []))
+    return _with_shapes(pool, more)
+
+
+def _free_shapes(pool: Candidates, number: int) -> tuple[Parameter, ...]:
+    """The shapes of a group (its number) of which others can be added to rows."""
+    group = pool.groups[number]
+    by_load = any(source.by_load for source in pool.sources if source.start == group.columns[0])
+    return () if group.tied or by_load or not group.shapes else group.effect.torque_shapes
+
+
+def _tried(pool: Candidates, number: int, name: str) -> list[float]:
+    """The values of a shape that a group's family (its number) was tried with, the least first."""
+    family = pool.groups[number].family
+    return sorted({group.shapes[name] for group in pool.groups if group.family == family})
+
+
+def _with_shapes(pool: Candidates, more: Sequence[tuple[int, str, Sequence[float]]]) -> Candidates:
+    """The candidates with other values of a shape of some groups (their numbers)."""
+    sources, groups, width = list(pool.sources), list(pool.groups), pool.width
+    by_start = {source.start: source for source in pool.sources}
+    for number, name, values in more:
+        group = pool.groups[number]
+        tried = [other.shapes[name] for other in groups if other.family == group.family]
+        for value in values:
+            if np.isclose(value, tried).any():
+                continue
+            shapes = {**group.shapes, name: value}
+            sources.append(replace(by_start[int(group.columns[0])], shapes=shapes, start=width))
+            groups.append(replace(group, shapes=shapes, columns=sources[-1].columns))
+            width += len(sources[-1].sizes)
     return replace(pool, sources=tuple(sources), groups=tuple(groups), width=width)
 
 

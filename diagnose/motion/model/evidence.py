@@ -97,12 +97,26 @@ class System:
 
     def as_likely(self, number: int, offered: Array) -> list[int]:
         """Variants of a group (its number) from the least shape to the greatest that is as likely by what is `offered`
-        (G,), and the next ones: of two shapes that the true one lies between, logs take either."""
+        (G,), and the next ones: of two shapes that the true one lies between, logs take either. Of whole numbers, none
+        lies between."""
+        alike, first, last = self._likely(number, offered)
+        next_ones = 0 if all(shape.whole for shape in self.groups[number].effect.torque_shapes) else 1
+        return alike[max(first - next_ones, 0) : last + 1 + next_ones]
+
+    def ends(self, number: int, offered: Array) -> tuple[bool, bool]:
+        """Whether the least, and the greatest, shape that was tried of a group (its number) is as likely."""
+        alike, first, last = self._likely(number, offered)
+        return first == 0, last == len(alike) - 1
+
+    def _likely(self, number: int, offered: Array) -> tuple[list[int], int, int]:
+        """Variants of a group, the least shape first, and the places of the first and last that are as likely as the
+        likeliest."""
         family = self.groups[number].family
         alike = [k for k, group in enumerate(self.groups) if group.family == family]
         alike.sort(key=lambda k: tuple(self.groups[k].shapes.values()))
-        likely = [place for place, k in enumerate(alike) if offered[k] >= offered[number] - LIKELY]
-        return alike[max(likely[0] - 1, 0) : likely[-1] + 2]
+        least = float(offered[alike].max()) - LIKELY
+        likely = [place for place, k in enumerate(alike) if offered[k] >= least]
+        return alike, likely[0], likely[-1]
 
     @cached_property
     def nuisances(self) -> tuple[Member, ...]:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
-from .candidates import Candidates, at_estimates, bent_sizes, refined
+from .candidates import Candidates, at_estimates, bent_sizes, beyond, refined
 from .chance import Chance, chance
 from .evidence import Member, System, discrepancies, small_causes, spreads, system
 from .feasible import lost
@@ -160,6 +160,7 @@ def identify(
         members = _kept(pool, final, folds, members, torque, rules=rules)
         if joints == _turning_joints(pool, members, turning):
             break
+    pool, current, final, members = _at_all_shapes(pool, current, final, members, pick, certain, seed, rules)
     fitted = [*members, *final.system.nuisances]
     named = final.system.spread[:, final.system.places(fitted)]
     spread = spreads(pool, final.products, final.noise.weights, named, certain)
@@ -181,6 +182,51 @@ def identify(
         pick,
         torque,
     )
+
+
+def _at_all_shapes(
+    pool: Candidates,
+    rows: Sequence[LogRows],
+    fit: _Fit,
+    members: Sequence[Member],
+    pick: NDArray[np.bool_],
+    certain: Array,
+    seed: int,
+    rules: Rules,
+) -> tuple[Candidates, Sequence[LogRows], _Fit, list[Member]]:
+    """Members in their likeliest shapes, of all that are as likely: where the last one that was tried is, those beyond
+    it are tried too, up to what the parameter may be. Joints `pick` (n,) count with their reversals."""
+    for _ in range(_ROUNDS):
+        members, likely = _likeliest(fit.system, members)
+        wider = beyond(pool, likely, rules=rules)
+        if wider.width == pool.width:
+            break
+        more = wider.sources[len(pool.sources) :]
+        rows, pool = [with_sources(item, more) for item in rows], wider
+        steady, near = (products(joint_rows(rows), pool.width, near=each) for each in (False, True))
+        fit = _fit(pool, mixed(steady, near, pick), certain, seed)
+    return pool, rows, fit, _likeliest(fit.system, members)[0]
+
+
+def _likeliest(system: System, members: Sequence[Member]) -> tuple[list[Member], list[tuple[int, bool, bool]]]:
+    """Members in the likeliest shapes that were tried, in turn until they stand; and of each (its group) whether the
+    least, and the greatest, shape that was tried is as likely."""
+    current = list(members)
+    for _ in range(_ROUNDS):
+        before, ends = list(current), list[tuple[int, bool, bool]]()
+        for place, member in enumerate(before):
+            if not system.groups[member.group].shapes:
+                continue
+            offer = system.offers([*system.nuisances, *current[:place], *current[place + 1 :]])
+            family = system.groups[member.group].family
+            alike = [k for k, group in enumerate(system.groups) if group.family == family]
+            best = max(alike, key=lambda k: (offer.evidence[k], k == member.group))
+            if best != member.group:
+                current[place] = Member(best, float(offer.scale[best]))
+            ends.append((best, *system.ends(best, offer.evidence)))
+        if current == before:
+            break
+    return current, ends
 
 
 def _with_reversals(

@@ -1,35 +1,81 @@
-"""Numbers that a pattern is not linear in are found between the values that were tried, and what stands beside them."""
+"""Numbers that a pattern is not linear in are found between and beyond the values that were tried, and what stands
+beside them."""
 
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
+from linkwright.core.diagnose.result import FittedParameter
 from tests.diagnose.motion.plumb_arm import HAND, logged, plumb_arm
 
 DRY, MORE = 1.5, 5.0
 """N*m of dry friction, and N*m more at no speed."""
 
 
-@pytest.mark.parametrize("at", [0.14, 0.17])
-def test_a_speed_between_two_that_were_tried_is_found(tmp_path: Path, at: float) -> None:
-    """rad/s in which the friction falls to 37 %; 0.1 and 0.3 are tried."""
-
-    def rubbed(_: np.ndarray, v: np.ndarray) -> np.ndarray:
-        dry = DRY + MORE * np.exp(-np.abs(v[0]) / at)
-        return np.array([dry * np.sign(v[0]), np.zeros_like(v[1])])
-
-    log = logged(2, lambda time: np.full(len(time), HAND), rubbed)
-    sizes = {
+def sizes_at_the_first_joint(
+    folder: Path, torque: Callable[[np.ndarray, np.ndarray], np.ndarray]
+) -> dict[tuple[str, str], FittedParameter]:
+    """What is found, by effect and parameter, where the first joint takes a torque by its angle and speed more."""
+    log = logged(
+        2, lambda time: np.full(len(time), HAND), lambda q, v: np.array([torque(q[0], v[0]), np.zeros_like(v[1])])
+    )
+    return {
         (item.effect, size.parameter): size
-        for item in diagnose_motion(plumb_arm(tmp_path), [log]).findings
+        for item in diagnose_motion(plumb_arm(folder), [log]).findings
         for size in item.parameters
         if item.at == (1,)
     }
+
+
+def holds(size: FittedParameter, true: float) -> bool:
+    """Whether an interval holds the truth."""
+    return size.interval[0] <= true <= size.interval[1]
+
+
+@pytest.mark.parametrize("at", [0.14, 0.17])
+def test_a_speed_between_two_that_were_tried_is_found(tmp_path: Path, at: float) -> None:
+    """rad/s in which the friction falls to 37 %; 0.1 and 0.3 are tried."""
+    sizes = sizes_at_the_first_joint(tmp_path, lambda _, v: (DRY + MORE * np.exp(-np.abs(v) / at)) * np.sign(v))
     speed, more = sizes["friction_stribeck", "speed"], sizes["friction_stribeck", "torque"]
     assert speed.value == pytest.approx(at, rel=0.05)
     assert speed.interval[1] / speed.interval[0] < 1.5
-    for size, true in ((speed, at), (more, MORE), (sizes["friction_coulomb", "torque"], DRY)):
-        assert size.interval[0] <= true <= size.interval[1]
+    assert holds(speed, at)
+    assert holds(more, MORE)
+    assert holds(sizes["friction_coulomb", "torque"], DRY)
     assert more.value == pytest.approx(MORE, rel=0.05)
+
+
+@pytest.mark.parametrize("at", [4.0, 8.0])
+def test_a_time_below_those_that_are_tried_is_found(tmp_path: Path, at: float) -> None:
+    """s in which 63 % of the friction's growth is done; 12 is the least that names are sought with."""
+    grown = 1.0 - np.exp(-np.arange(3000) / 100.0 / at)
+    sizes = sizes_at_the_first_joint(tmp_path, lambda _, v: (DRY + MORE * grown) * np.sign(v))
+    time, more = sizes["friction_warmup", "time"], sizes["friction_warmup", "torque"]
+    assert time.value == pytest.approx(at, rel=0.1)
+    assert time.interval[1] / time.interval[0] < 1.5
+    assert holds(time, at)
+    assert holds(more, MORE)
+    assert holds(sizes["friction_coulomb", "torque"], DRY)
+
+
+@pytest.mark.parametrize("at", [300.0, 1000.0, 3000.0])
+def test_a_time_that_a_log_is_too_short_for_may_be_any_longer_one(tmp_path: Path, at: float) -> None:
+    """s; in 30 s friction grows by 1 N*m, nearly as straight as a line."""
+    more = at / 30.0
+    grown = 1.0 - np.exp(-np.arange(3000) / 100.0 / at)
+    sizes = sizes_at_the_first_joint(tmp_path, lambda _, v: (DRY + more * grown) * np.sign(v))
+    assert holds(sizes["friction_warmup", "time"], at)
+    assert holds(sizes["friction_warmup", "torque"], more)
+
+
+@pytest.mark.parametrize("order", [2, 3, 5])
+def test_the_order_of_a_ripple_is_the_one_that_explains_it(tmp_path: Path, order: int) -> None:
+    """Periods in a turn of a joint that swings by less than a turn, where the next order looks nearly like it."""
+    sine, cosine = -2.0, 3.0
+    sizes = sizes_at_the_first_joint(tmp_path, lambda q, _: sine * np.sin(order * q) + cosine * np.cos(order * q))
+    assert holds(sizes["gear_ripple", "order"], order)
+    assert holds(sizes["gear_ripple", "sine"], sine)
+    assert holds(sizes["gear_ripple", "cosine"], cosine)
