@@ -13,7 +13,7 @@ from linkwright.core.arm.effects.drives.torque_constant import TORQUE_CONSTANT
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
-from .evidence import Member, System
+from .evidence import LIKELY, Member, System
 from .feasible import feasible
 from .products import Products
 
@@ -33,13 +33,21 @@ class Estimates:
 
 
 def estimates(
-    system: System, products: Products, weights: Array, members: Sequence[Member], unnamed: Array, *, rules: Rules
+    system: System,
+    products: Products,
+    weights: Array,
+    members: Sequence[Member],
+    unnamed: Array,
+    *,
+    sure: bool = False,
+    rules: Rules,
 ) -> Estimates:
     """Sizes of a set with intervals: once causes are named, the logs say how large they are, not their prior.
 
     The covariance by blocks is the sandwich of K.-Y. Liang & S. L. Zeger, Biometrika 73 (1986) 13, with Student's t of
     the blocks' degrees of freedom. That by the model holds what random effects of the columns, of standard deviations
-    `unnamed` (W,), move sizes by. Beside them counts how sizes change to other shapes that are as likely.
+    `unnamed` (W,), move sizes by. Beside them counts how sizes change to other shapes that are as likely and, unless
+    names are `sure`, beside other names.
     """
     at = system.places(members)
     if not len(at):
@@ -61,7 +69,9 @@ def estimates(
     robust = np.sqrt(np.maximum(np.diagonal(turned @ by_blocks @ turned.T), 0.0))
     robust *= float(student.ppf(0.975, blocks - 1))
     shown = np.sqrt(np.diagonal(inverse)) < rules.motion.shown
-    half = np.hypot(np.maximum(model, robust), _by_shapes(system, wide, numbers) * unit / gain)
+    # A shape and a size are one ellipse; names are one or another, each with its own interval.
+    by_shapes, by_names = (item * unit / gain for item in _by_others(system, wide, numbers))
+    half = np.hypot(np.maximum(model, robust), by_shapes) + (0.0 if sure else by_names)
     return Estimates(numbers * unit / gain, half, shown, gain, np.asarray(sizes))
 
 
@@ -82,14 +92,28 @@ def _gain(system: System, members: Sequence[Member], numbers: Array) -> tuple[Ar
     return 1.0 + change @ numbers, change
 
 
-def _by_shapes(system: System, members: Sequence[Member], numbers: Array) -> Array:
-    """How much less and more (2, k) the numbers are by the shapes that are as likely as those taken: an amplitude that
-    goes with its shape is larger or smaller by that, and not of the other sign."""
-    half = np.zeros((2, len(numbers)))
+def _by_others(system: System, members: Sequence[Member], numbers: Array) -> tuple[Array, Array]:
+    """How much less and more (2, k) the numbers are by the shapes that are as likely as those taken, and beside other
+    names that are as likely: an amplitude that goes with its shape is larger or smaller by that, and not of the other
+    sign."""
+    by_shapes, by_names = np.zeros((2, len(numbers))), np.zeros((2, len(numbers)))
+    beside = np.maximum(system.offers(members).evidence, 0.0)
+    taken = {system.groups[member.group].family for member in members}
+    start = 0
     for place, member in enumerate(members):
+        group, end = system.groups[member.group], start + system.groups[member.group].rank
         offered = system.offers([*members[:place], *members[place + 1 :]]).evidence
-        for other in system.as_likely(member.group, offered) if system.groups[member.group].shapes else ():
+        # What is as evident beside all of them is something of its own, and stands for none.
+        alike = np.flatnonzero(offered - beside >= offered[member.group] - LIKELY).tolist()
+        names = [] if group.nuisance else [k for k in alike if system.groups[k].family not in taken]
+        shapes = system.as_likely(member.group, offered) if group.shapes else []
+        for other in (*shapes, *names):
             changed = [*members[:place], Member(other, member.scale), *members[place + 1 :]]
-            change = system.numbers(changed) - numbers
-            half = np.maximum(half, [-change, change])
-    return half
+            values, more = system.numbers(changed), end + system.groups[other].rank - group.rank
+            if other in shapes:
+                by_shapes = np.maximum(by_shapes, [numbers - values, values - numbers])
+            elif system.within(changed)[place]:
+                shift = np.concatenate((values[:start], numbers[start:end], values[more:])) - numbers
+                by_names = np.maximum(by_names, [-shift, shift])
+        start = end
+    return by_shapes, by_names

@@ -68,13 +68,14 @@ def by_log(arm: Arm, logs: Sequence[MotionLog], options: Options, progress: Prog
             rests_on.different.sizes(number, identified.pool.width)
         )
         system_ = system(identified.pool, log_products, identified.noise.weights, identified.discrepancy)
-        alike = np.zeros(identified.pool.width)  # What has no name is the same in all logs.
+        alike = np.zeros(identified.pool.width)  # What has no name is the same in all logs, and so are names.
         fitted = estimates(
             system_,
             log_products,
             identified.noise.weights,
             (*members, *identified.system.nuisances),
             alike,
+            sure=True,
             rules=options.rules,
         )
         pairs = _parameters(arm, identified, members, fitted, np.ones(len(fitted.numbers), dtype=bool))

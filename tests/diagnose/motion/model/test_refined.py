@@ -79,3 +79,15 @@ def test_the_order_of_a_ripple_is_the_one_that_explains_it(tmp_path: Path, order
     assert holds(sizes["gear_ripple", "order"], order)
     assert holds(sizes["gear_ripple", "sine"], sine)
     assert holds(sizes["gear_ripple", "cosine"], cosine)
+
+
+def test_names_that_are_alike_widen_each_other(tmp_path: Path) -> None:
+    """Friction and more of it one way: friction beside an offset says the same, with another size of friction."""
+    dry, one_way = 1.0, 3.0
+    sizes = sizes_at_the_first_joint(tmp_path, lambda _, v: dry * np.sign(v) + one_way * (v > 0.0))
+    true = {"friction_coulomb": dry, "friction_asymmetry": one_way}
+    named = {effect: size for (effect, parameter), size in sizes.items() if parameter == "torque"}
+    assert "friction_coulomb" in named
+    for effect in named.keys() & true.keys():
+        assert holds(named[effect], true[effect])
+    assert holds(named["friction_coulomb"], dry + 0.5 * one_way)
