@@ -140,7 +140,8 @@ class _Others:
     def reach(self, half: Array) -> Array:
         """How far (k,) 95 % intervals reach upwards that reach `half` beside the names taken: names are one or another,
         each with its own interval (J. A. Hoeting et al., Bayesian model averaging, Statist. Sci. 14 (1999) 382)."""
-        return np.max([_above(shift, odds, half) for shift, odds in zip(self.shifts, self.odds, strict=True)], axis=0)
+        each = (_above(shift, odds, half) for shift, odds in zip(self.shifts, self.odds, strict=True))
+        return np.max([half, *each], axis=0)
 
     def reversed(self) -> _Others:
         """The same of the numbers' negatives."""
