@@ -290,8 +290,8 @@ def rms_together(left: Array, counts: Array) -> float:
 
 
 def as_written(sizes: Estimates, identified: Identified, judge: Judged) -> Estimates:
-    """The estimates with the numbers that the arm's file holds, or would hold of the names alone where it holds none;
-    intervals are as wide as they were."""
+    """The estimates with the numbers that the arm's file holds, or would hold of the names alone where it holds none.
+    Intervals stay where they were, and reach as far as these: a file holds no nuisance, whose place a size may take."""
     named = judge.written if judge.rivals.written == "ridge" else judge.named
     numbers, place = sizes.numbers.copy(), 0
     of_group, start = {}, 0
@@ -304,4 +304,6 @@ def as_written(sizes: Estimates, identified: Identified, judge: Judged) -> Estim
         if member.group in of_group:
             numbers[place : place + rank] = of_group[member.group]
         place += rank
-    return replace(sizes, numbers=np.concatenate((numbers[:place], sizes.numbers[place:])))
+    low = np.minimum(sizes.numbers - sizes.half[0], numbers)
+    high = np.maximum(sizes.numbers + sizes.half[1], numbers)
+    return replace(sizes, numbers=numbers, half=np.stack((numbers - low, high - numbers)))

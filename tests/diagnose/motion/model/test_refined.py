@@ -2,6 +2,7 @@
 beside them."""
 
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -91,3 +92,18 @@ def test_names_that_are_alike_widen_each_other(tmp_path: Path) -> None:
     for effect in named.keys() & true.keys():
         assert holds(named[effect], true[effect])
     assert holds(named["friction_coulomb"], dry + 0.5 * one_way)
+
+
+def test_a_clock_that_is_off_by_part_of_a_sample_leaves_a_rotor_in_its_interval(tmp_path: Path) -> None:
+    """A file holds no clock: in it, 40 N*m s of viscous friction that is 4 ms late stand for 0.16 kg m2 less."""
+    viscous, rotor, late = 40.0, 2.0, 4e-3
+
+    def turned(_: np.ndarray, v: np.ndarray) -> np.ndarray:
+        return np.array([viscous * v[0] + rotor * np.gradient(v[0], 0.01), np.zeros_like(v[1])])
+
+    log = logged(2, lambda time: np.full(len(time), HAND), turned)
+    torque = np.stack([np.interp(log.time - late, log.time, each) for each in log.torque.T], axis=1)
+    found = diagnose_motion(plumb_arm(tmp_path), [replace(log, torque=torque)]).findings
+    sizes = {item.effect: item.parameters[0] for item in found if item.at == (1,)}
+    assert holds(sizes["friction_viscous"], viscous)
+    assert holds(sizes["armature"], rotor)
