@@ -211,9 +211,9 @@ def _at_all_shapes(
 def _likeliest(system: System, members: Sequence[Member]) -> tuple[list[Member], list[tuple[int, bool, bool]]]:
     """Members in the likeliest shapes that were tried, in turn until they stand; and of each (its group) whether the
     least, and the greatest, shape that was tried is as likely."""
-    current = list(members)
+    current, ends = list(members), list[tuple[int, bool, bool]]()
     for _ in range(_ROUNDS):
-        before, ends = list(current), list[tuple[int, bool, bool]]()
+        before, ends = list(current), []
         for place, member in enumerate(before):
             if not system.groups[member.group].shapes:
                 continue
