@@ -153,9 +153,9 @@ def _above(shifts: Array, odds: Array, half: Array) -> Array:
     each is as likely as `odds` (m,)."""
     least, most = half.copy(), half + np.maximum(shifts.max(axis=0), 0.0)
     least = np.minimum(least + np.minimum(shifts.min(axis=0), 0.0), most)
-    sigma = np.maximum(half, 1e-300) / 1.96
+    sigma, outside = np.maximum(half, 1e-300) / 1.96, float(ndtr(-1.96) * odds.sum())
     for _ in range(60):
         middle = 0.5 * (least + most)
-        beyond = odds @ ndtr((shifts - middle) / sigma) > 0.025 * odds.sum()
+        beyond = odds @ ndtr((shifts - middle) / sigma) > outside
         least, most = np.where(beyond, middle, least), np.where(beyond, most, middle)
     return np.maximum(most, half)

@@ -49,9 +49,9 @@ def test_a_speed_between_two_that_were_tried_is_found(tmp_path: Path, at: float)
     assert more.value == pytest.approx(MORE, rel=0.05)
 
 
-@pytest.mark.parametrize("at", [6.0])
-def test_a_time_below_those_that_are_tried_is_found(tmp_path: Path, at: float) -> None:
+def test_a_time_below_those_that_are_tried_is_found(tmp_path: Path) -> None:
     """s in which 63 % of the friction's growth is done; 12 is the least that names are sought with."""
+    at = 6.0
     grown = 1.0 - np.exp(-np.arange(3000) / 100.0 / at)
     sizes = sizes_at_the_first_joint(tmp_path, lambda _, v: (DRY + MORE * grown) * np.sign(v))
     time, more = sizes["friction_warmup", "time"], sizes["friction_warmup", "torque"]
@@ -62,20 +62,18 @@ def test_a_time_below_those_that_are_tried_is_found(tmp_path: Path, at: float) -
     assert holds(sizes["friction_coulomb", "torque"], DRY)
 
 
-@pytest.mark.parametrize("at", [1000.0])
-def test_a_time_that_a_log_is_too_short_for_may_be_any_longer_one(tmp_path: Path, at: float) -> None:
+def test_a_time_that_a_log_is_too_short_for_may_be_any_longer_one(tmp_path: Path) -> None:
     """s; in 30 s friction grows by 1 N*m, nearly as straight as a line."""
-    more = at / 30.0
+    at, more = 1000.0, 1000.0 / 30.0
     grown = 1.0 - np.exp(-np.arange(3000) / 100.0 / at)
     sizes = sizes_at_the_first_joint(tmp_path, lambda _, v: (DRY + more * grown) * np.sign(v))
     assert holds(sizes["friction_warmup", "time"], at)
     assert holds(sizes["friction_warmup", "torque"], more)
 
 
-@pytest.mark.parametrize("order", [3])
-def test_the_order_of_a_ripple_is_the_one_that_explains_it(tmp_path: Path, order: int) -> None:
+def test_the_order_of_a_ripple_is_the_one_that_explains_it(tmp_path: Path) -> None:
     """Periods in a turn of a joint that swings by less than a turn, where the next order looks nearly like it."""
-    sine, cosine = -2.0, 3.0
+    order, sine, cosine = 3, -2.0, 3.0
     sizes = sizes_at_the_first_joint(tmp_path, lambda q, _: sine * np.sin(order * q) + cosine * np.cos(order * q))
     assert holds(sizes["gear_ripple", "order"], order)
     assert holds(sizes["gear_ripple", "sine"], sine)
