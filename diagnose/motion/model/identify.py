@@ -160,10 +160,13 @@ def identify(
         members = _kept(pool, final, folds, members, torque, rules=rules)
         if joints == _turning_joints(pool, members, turning):
             break
+    named = {member.group for member in members}
     pool, current, final, members = _at_all_shapes(pool, current, final, members, pick, certain, seed, rules)
+    if {member.group for member in members} != named:  # what stood beside another shape may not be needed any more
+        members = _kept(pool, final, folds, members, torque, rules=rules)
     fitted = [*members, *final.system.nuisances]
-    named = final.system.spread[:, final.system.places(fitted)]
-    spread = spreads(pool, final.products, final.noise.weights, named, certain)
+    taken = final.system.spread[:, final.system.places(fitted)]
+    spread = spreads(pool, final.products, final.noise.weights, taken, certain)
     return Identified(
         pool,
         tuple(current),
