@@ -18,9 +18,10 @@ from linkwright.core.arm.figures import OfDesign, Totals, excess
 from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.executors import Executor
+from linkwright.core.materials.material import Material
 from linkwright.core.optimize.choice.pose_products import one_signed
+from linkwright.core.optimize.exchange.assembled import Compiled
 from linkwright.core.optimize.exchange.binding_poses import Pool
-from linkwright.core.optimize.exchange.compiled import Compiled
 from linkwright.core.optimize.exchange.design import (
     LENGTH,
     TAPER,
@@ -110,6 +111,7 @@ class Chooser:
         """What rules out combinations, from the first on that cannot keep the limits."""
         self._compiled = Compiled()
         self._exchanges: dict[tuple[str | None, ...], Exchange] = {}
+        self._rows: dict[tuple[Material | None, ...], Array] = {}
 
     @property
     def objective(self) -> float:
@@ -180,7 +182,7 @@ class Chooser:
                 if solved is None or (solved.solution is None and not solved.unsolved):
                     continue
             exchange = self._exchange(pick.shapes)
-            materials = material_row(pick.materials, self.context.problem)
+            materials = self._materials(pick)
             unsolved = False
             for start in starting_points(exchange.space, materials, 2):
                 self.pool = first_pool(self.context, exchange.space, start, pick.materials)
@@ -232,7 +234,7 @@ class Chooser:
                 begin = start
                 if each.shapes != pick.shapes:
                     other = self._exchange(each.shapes).space
-                    begin = starting_points(other, material_row(each.materials, self.context.problem), 1)[0]
+                    begin = starting_points(other, self._materials(each), 1)[0]
                     begin = with_lengths(other, begin, lengths)
                 self._finish_near_lengths(each, begin)
             if self.best is best or self._reaches_less(self.best, best):
@@ -247,7 +249,7 @@ class Chooser:
         """Sizes for the lengths of a start first, then lengths not far from those, then any: a descent from sizes that
         belong to other lengths leads back to these."""
         assert self.pool is not None
-        exchange, materials = self._exchange(pick.shapes), material_row(pick.materials, self.context.problem)
+        exchange, materials = self._exchange(pick.shapes), self._materials(pick)
         program = exchange.program(self.pool)
         lengths = np.array([variable.name == LENGTH for variable in exchange.space.variables])
         aim = self.context.aim
@@ -306,7 +308,7 @@ class Chooser:
     def no_worse_than(self, pick: Combination, x: Array) -> None:
         """Hold the best design against another that may be kept as it is: descents from there that stay near it."""
         space = design_space(self.context.problem, pick.shapes)
-        materials = material_row(pick.materials, self.context.problem)
+        materials = self._materials(pick)
         exchange = self._exchange(pick.shapes)
         self.pool = self.pool or first_pool(self.context, space, x, pick.materials)
         program = exchange.program(self.pool)
@@ -341,7 +343,7 @@ class Chooser:
     def totals(self, pick: Combination, x: Array) -> tuple[float, float, float]:
         """Mass (kg), cost (EUR) and reach (m) of a combination's links for the optimiser's numbers."""
         assert self.pool is not None
-        materials = material_row(pick.materials, self.context.problem)
+        materials = self._materials(pick)
         return self._exchange(pick.shapes).program(self.pool).mass_cost_reach(x, materials)
 
     def _light_enough(self, program: Program, x: Array, materials: Array) -> bool:
@@ -353,6 +355,12 @@ class Chooser:
             for limit in self.context.problem.limits
             if isinstance(limit.figure.follows, OfDesign)
         )
+
+    def _materials(self, pick: Combination) -> Array:
+        """What the programs know of a combination's materials, which many share."""
+        if pick.materials not in self._rows:
+            self._rows[pick.materials] = material_row(pick.materials, self.context.problem)
+        return self._rows[pick.materials]
 
     def _exchange(self, shapes: tuple[str | None, ...]) -> Exchange:
         if shapes not in self._exchanges:
@@ -381,7 +389,7 @@ class Chooser:
     def solve(self, pick: Combination, *, explain: bool = False) -> Solved:
         """A combination for the pool alone; with `explain` also how little the limits would have to give way."""
         exchange = self._exchange(pick.shapes)
-        materials = material_row(pick.materials, self.context.problem)
+        materials = self._materials(pick)
         starts = starting_points(exchange.space, materials, 2)
         pool = self.pool = self.pool or first_pool(self.context, exchange.space, starts[0], pick.materials)
 
@@ -442,7 +450,7 @@ class Chooser:
         an objective `above` that. The best design so far is kept; returns how the exchange ended, where it did."""
         assert self.pool is not None
         exchange = self._exchange(pick.shapes)
-        materials = material_row(pick.materials, self.context.problem)
+        materials = self._materials(pick)
         ended = self._ended(pick, exchange, materials, start, within, self.objective if above is None else above)
         done, objective = ended.done, ended.objective
         if done is None or objective is None:

@@ -1,24 +1,20 @@
-"""What the finite problem is compiled of: its rows by what links bring, and each link by its section's sizes.
+"""The rows of the finite problem by what links bring, and each link by its section's sizes, as functions.
 
 What a combination of shapes adds to the rows of a pool is a few functions of one link each. Functions and their
-derivatives are compiled once; a combination puts them together by the chain rule, which takes a small part of the time
-that its own derivatives would (A. Griewank and A. Walther, Evaluating Derivatives, SIAM 2008, ch. 2).
+derivatives are compiled once, and put together by `optimize.exchange.assembled`.
 """
 
 from __future__ import annotations
 
-import itertools
-from collections.abc import Hashable, Iterable, Sequence
-from dataclasses import dataclass, field, replace
+from collections.abc import Hashable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import casadi as ca
-import numpy as np
 
 from linkwright.core.arm.bodies.warping import warping_of
 from linkwright.core.arm.errors.model import ErrorModel
 from linkwright.core.arm.figures import Held, Limit, OfDesign, OfLinks, PoseFamily, Totals
-from linkwright.core.arm.figures.local_buckling import LOCAL_BUCKLING
 
 from .binding_poses import Room
 from .design import LENGTH, MATERIAL_FIELDS, DesignSpace
@@ -28,7 +24,6 @@ from .expressions import (
     expressions_of_links,
     link_expressions,
     link_fields,
-    mode_count,
 )
 from .rows import MM, Rows, error_rows, limit_rows, link_rows, pose_rows, shape_rows, symbol
 from .scenarios import Scenarios, scenario_column
@@ -80,37 +75,7 @@ class LinkFunctions:
     labels: tuple[str, ...]
 
 
-@dataclass
-class Compiled:
-    """The functions that a search has compiled so far, by what they depend on."""
-
-    cores: dict[Hashable, Core] = field(default_factory=dict)
-    links: dict[Hashable, LinkFunctions] = field(default_factory=dict)
-
-
 def core_of(
-    compiled: Compiled,
-    space: DesignSpace,
-    model: ErrorModel,
-    families: Families,
-    room: Room,
-    scenarios: Scenarios | None,
-) -> Core:
-    """The rows for a room of poses."""
-    if scenarios is not None:
-        return _core(space, model, families, room, scenarios, None)
-    problem = space.problem
-    modes: int | None = None
-    if not space.balance(np.zeros(len(space.variables))):
-        shapes = [shape for shape in space.shapes if shape is not None and problem.limit(LOCAL_BUCKLING.name)]
-        modes = max(map(mode_count, shapes), default=0)
-    key = (room, space.shapes if modes is None else modes)
-    if key not in compiled.cores:
-        compiled.cores[key] = _core(space, model, families, room, None, modes)
-    return compiled.cores[key]
-
-
-def _core(
     space: DesignSpace,
     model: ErrorModel,
     families: Families,
@@ -118,7 +83,8 @@ def _core(
     scenarios: Scenarios | None,
     modes: int | None,
 ) -> Core:
-    """`modes`: in how many ways a link's walls buckle at most; None of rows by a combination's own numbers."""
+    """The rows for a room of poses. `modes`: in how many ways a link's walls buckle at most; None of rows by a
+    combination's own numbers."""
     problem = space.problem
     size = problem.arm.size
     levels = symbol("level", len(problem.limits))
@@ -208,9 +174,9 @@ def numbers_of(space: DesignSpace, link: int) -> list[int]:
     ]
 
 
-def link_functions(compiled: Compiled, space: DesignSpace, link: int, core: Core) -> LinkFunctions:
+def link_functions(known: dict[Hashable, LinkFunctions], space: DesignSpace, link: int, core: Core) -> LinkFunctions:
     """The functions of a link of a combination, zero for what no row of the core needs; those of the same shape, ranges
-    and limits have the same."""
+    and limits have the same, which are kept with those `known`."""
     problem = space.problem
     ranges = problem.ranges[link]
     numbers = numbers_of(space, link)
@@ -223,9 +189,9 @@ def link_functions(compiled: Compiled, space: DesignSpace, link: int, core: Core
     shape = space.shapes[link]
     key = (link, variables) if shape is None else (shape, variables, ranges.sizes, ranges.taper, length, shares)
     key = (*key, warping_of(problem.arm, link), core.needed)
-    if key not in compiled.links:
-        compiled.links[key] = _link_functions(space, link, numbers, core)
-    return compiled.links[key]
+    if key not in known:
+        known[key] = _link_functions(space, link, numbers, core)
+    return known[key]
 
 
 def _link_functions(space: DesignSpace, link: int, numbers: Sequence[int], core: Core) -> LinkFunctions:
@@ -256,81 +222,3 @@ def _link_functions(space: DesignSpace, link: int, numbers: Sequence[int], core:
         tuple(held),
         tuple(shapes.labels),
     )
-
-
-@dataclass(frozen=True)
-class Assembled:
-    """A combination's finite problem: `program` for the solver, with the derivatives `given` to it (by their names)."""
-
-    program: dict[str, Any]
-    given: dict[str, Any]
-
-
-def assembled(space: DesignSpace, core: Core, links: Sequence[LinkFunctions]) -> Assembled:
-    """The finite problem of a combination by x, y, the slacks and the unknown poses. The rows of the links come after
-    those of the core."""
-    problem, own = space.problem, core.modes is None
-    width = len(link_fields(core.modes or 0))
-    count, slacks, size = len(space.variables), len(problem.limits), problem.arm.size
-    x = ca.MX.sym("x", count + 1 + slacks + core.unknowns)
-    p = ca.MX.sym("p", core.parameters)
-    first = len(MATERIAL_FIELDS) * size + 2 + 2 * slacks
-    levels = p[first : first + slacks]
-    rest = x[count:]
-    every = [[*numbers_of(space, link), *range(count + 1, count + 1 + slacks)] for link in range(size)]
-    given = [
-        (x[places], p[len(MATERIAL_FIELDS) * link : len(MATERIAL_FIELDS) * (link + 1)], levels)
-        for link, places in enumerate(every)
-    ]
-    values = [functions.value(*of_link) for functions, of_link in zip(links, given, strict=True)]
-    slopes = [functions.first(*of_link) for functions, of_link in zip(links, given, strict=True)]
-    picked = _picking(itertools.chain(*every), x.numel())
-
-    def padded(column: Any) -> Any:
-        # A section of fewer walls than others has zeros for theirs.
-        return ca.vertcat(column, ca.MX(width - column.size1(), column.size2())) if column.size1() < width else column
-
-    def brought(of_links: Sequence[Any]) -> Any:
-        return x if own else ca.vertcat(*[padded(item[0]) for item in of_links], rest)
-
-    w, by_x = brought(slopes), ca.DM.eye(x.numel())
-    if not own:
-        by_x = ca.mtimes(ca.diagcat(*[padded(item[2]) for item in slopes]), picked)
-        by_x = ca.vertcat(by_x, _picking(range(count, x.numel()), x.numel()))
-    f, (f_, by_f) = core.objective(w, p), core.slope(w, p)
-    g, (g_, jacobian) = core.value(brought(values), p), core.first(w, p)
-    slope = ca.mtimes(by_x.T, by_f)
-    ahead = core.slope.size1_out(1) - rest.numel()
-    if not own and min(core.slope.sparsity_out(1).get_triplet()[0], default=ahead) >= ahead:
-        # An error that is least is a number of its own: no link moves it.
-        alone = ca.vertcat(ca.MX(ahead, 1), rest)
-        f, (f_, by_f) = core.objective(alone, p), core.slope(alone, p)
-        slope = ca.vertcat(ca.MX(count, 1), by_f[ahead:])
-    rows = ca.vertcat(g, *[item[1] for item in values])
-    by_rows = ca.vertcat(ca.mtimes(jacobian, by_x), ca.mtimes(ca.diagcat(*[item[3] for item in slopes]), picked))
-    of_f, of_g = ca.MX.sym("of_f"), ca.MX.sym("of_g", rows.numel())
-    hessian, by_w = core.second(w, p, of_f, of_g[: g.numel()])
-    curved: list[Any] = []
-    start = g.numel()
-    for link, functions in enumerate(links):
-        brings, holds = functions.value.size1_out(0), functions.value.size1_out(1)
-        by_column = ca.MX(brings, 1) if own else by_w[width * link : width * link + brings]
-        curved.append(functions.second(*given[link], by_column, of_g[start : start + holds]))
-        start += holds
-    total = ca.mtimes(by_x.T, ca.mtimes(hessian, by_x)) + ca.mtimes(picked.T, ca.mtimes(ca.diagcat(*curved), picked))
-    named = {
-        "grad_f": ca.Function("nlp_grad_f", [x, p], [f_, ca.densify(slope)], ["x", "p"], ["f", "grad_f_x"]),
-        "jac_g": ca.Function(
-            "nlp_jac_g", [x, p], [ca.vertcat(g_, *[item[1] for item in slopes]), by_rows], ["x", "p"], ["g", "jac_g_x"]
-        ),
-        "hess_lag": ca.Function(
-            "nlp_hess_l", [x, p, of_f, of_g], [ca.triu(total)], ["x", "p", "lam_f", "lam_g"], ["hess_gamma_x_x"]
-        ),
-    }
-    return Assembled({"x": x, "p": p, "f": f, "g": rows}, named)
-
-
-def _picking(places: Iterable[int], count: int) -> Any:
-    """The matrix that picks numbers out of so many."""
-    columns = list(places)
-    return ca.DM(ca.Sparsity.triplet(len(columns), count, list(range(len(columns))), columns), 1.0)

@@ -40,8 +40,8 @@ from linkwright.core.optimize.result import Iteration
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
+from .assembled import Compiled
 from .binding_poses import Anchor, ErrorCut, Pool, Room
-from .compiled import Compiled
 from .design import DesignSpace, arm_of, numeric_beams, with_chosen_links
 from .program import Ask, Program, Solution, cut_of, groups_of
 from .rescue import LEAST_ERROR, solved

@@ -16,7 +16,6 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any
 
-import casadi as ca
 import numpy as np
 from numpy.typing import NDArray
 
@@ -26,8 +25,9 @@ from linkwright.core.arm.worst.search import WorstPose
 from linkwright.core.arm.worst.workspace import climbing_bounds, joint_box
 from linkwright.core.optimize.problem import Problem
 
+from .assembled import Compiled, assembled
 from .binding_poses import ErrorCut, Pool, Room
-from .compiled import Compiled, Families, assembled, core_of, link_functions, numbers_of
+from .compiled import Families, numbers_of
 from .design import MATERIAL_FIELDS, DesignSpace
 from .expressions import LINK_FIELDS
 from .rows import FLOOR_MM2, MM, error_parameters, filled
@@ -165,17 +165,18 @@ class Program:
         self._anchored = anchored(space)
         self._cornered = any(case.zones for case in model.cases)
         self.fixed_error = fixed_error(model)
-        core = core_of(compiled, space, model, families, room, scenarios)
-        self._links = [link_functions(compiled, space, link, core) for link in range(len(space.shapes))]
-        problem = assembled(space, core, self._links)
+        self._problem = assembled(compiled, space, model, families, room, scenarios, ipopt_options())
+        core, self.solver = self._problem.core, self._problem.solver
+        self._kinds, self._numbers = self._problem.kinds(space.shapes), self._problem.places(space)
+        self._links = [of_link[shape] for of_link, shape in zip(self._problem.links, space.shapes, strict=True)]
         self._limits = {name: block.limits for name, block in core.blocks.items()}
         self._place: dict[str, slice] = {}
         start = 0
         for name, block in core.blocks.items():
             self._place[name] = slice(start, start + len(block.rows))
             start += len(block.rows)
-        count = int(problem.program["g"].numel())
-        self._lower = np.full(count, -np.inf)
+        count = int(self.solver.size1_out("g"))
+        self._lower, self._upper = np.full(count, -np.inf), np.zeros(count)
         self._lower[self._place["design"]] = np.where(core.equal, 0.0, -np.inf)
         self._equal_from = start
         self._lower[start : start + core.equalities] = 0.0
@@ -184,16 +185,15 @@ class Program:
         self._shapes: dict[str, int] = {}
         """Which rows are limits on links, with `_limits`, and which make sections possible."""
         self._limits["links"] = []
-        for link, functions in enumerate(self._links):
+        for link, (functions, height) in enumerate(zip(self._links, self._problem.heights, strict=True)):
             self._limits["links"] += functions.limits
-            self._of_links += range(start, start + len(functions.limits))
-            start += len(functions.limits)
-            for text in functions.labels:
-                self._shapes[f"link {link + 1}: {text}"] = start
-                start += 1
-        self.solver: Any = ca.nlpsol("design", "ipopt", problem.program, {**ipopt_options(), **problem.given})
-        self._rows = self.solver.get_function("nlp_jac_g")
-        self._moving = np.array(self._rows.sparsity_out("jac_g_x").get_triplet(), dtype=int)
+            own = len(functions.limits)
+            self._of_links += range(start, start + own)
+            for number, text in enumerate(functions.labels, start=start + own):
+                self._shapes[f"link {link + 1}: {text}"] = number
+            # Other shapes have rows that this one has not.
+            self._upper[start + own + len(functions.labels) : start + height] = np.inf
+            start += height
 
     def mass_cost_reach(self, x: Array, materials: Array) -> tuple[float, float, float]:
         """The links' mass (kg), their cost (EUR) and the reach (m) of a design."""
@@ -250,28 +250,30 @@ class Program:
         inside = np.clip(start, lower + _INSIDE * (upper - lower), upper - _INSIDE * (upper - lower))
         least, most = self._turns(errors, np.array(unknowns), ask.turn)
         low, high = self._row_bounds(errors)
-        x0 = np.array([*inside, y, *slack, *unknowns])
+        x0 = np.array([*self._among_all(inside), y, *slack, *unknowns])
         p = [*materials, *weights, *pushed, *price, *(limit.value for limit in limits), squared, rounding, *values]
-        lbx, ubx = np.array([*lower, -40.0, *equal, *least]), np.array([*upper, 40.0, *give, *most])
+        p += self._kinds
+        lbx = np.array([*self._among_all(lower), -40.0, *equal, *least])
+        ubx = np.array([*self._among_all(upper), 40.0, *give, *most])
         settled = self._settled(lbx == ubx)
         broken = False
         if settled.any():
             # These rows are facts: a solver that has nothing to move stumbles over what they are off by in rounding.
-            row = np.array(self._rows(x0, p)[0]).ravel()[settled]
+            row = np.array(self._problem.rows(x0, p)[0]).ravel()[settled]
             broken = not bool(np.all((row >= low[settled] - _ROUNDED) & (row <= high[settled] + _ROUNDED)))
             low, high = np.where(settled, -np.inf, low), np.where(settled, np.inf, high)
         result = self.solver(x0=x0, p=p, lbx=lbx, ubx=ubx, lbg=low, ubg=high)
         stats = self.solver.stats()
         point = np.array(result["x"]).ravel()
         multipliers = np.array(result["lam_g"]).ravel()
-        size = len(lower)
+        size = self._problem.count
         poses = point[size + 1 + count :]
         return Solution(
-            x=np.clip(point[:size], lower, upper),
+            x=np.clip(point[self._numbers], lower, upper),
             error=self.fixed_error + _without_floor(min(float(point[size]), 60.0), squared) / MM,
             solved=bool(stats["success"]) and not broken,
             limit_prices=tuple(self._limit_prices(multipliers)),
-            bound_prices=np.array(result["lam_x"]).ravel()[:size],
+            bound_prices=np.array(result["lam_x"]).ravel()[self._numbers],
             shape_prices=tuple((label, float(multipliers[place])) for label, place in self._shapes.items()),
             slacks=tuple(point[size + 1 : size + 1 + count].tolist()),
             active=self._active(multipliers, errors, held),
@@ -281,10 +283,16 @@ class Program:
             turned=bool(np.any((np.abs(poses - unknowns) > 0.999 * ask.turn) & ~self._at_will(errors))),
         )
 
+    def _among_all(self, x: Array) -> Array:
+        """A combination's numbers among those of all that share the problem; what its shapes lack is zero."""
+        every = np.zeros(self._problem.count)
+        every[self._numbers] = x
+        return every
+
     def _settled(self, fixed: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Which rows no number moves that is free: those that depend on the fixed ones alone."""
         settled = np.ones(len(self._lower), dtype=bool)
-        rows, numbers = self._moving
+        rows, numbers = self._problem.moving
         settled[rows[~fixed[numbers]]] = False
         return settled
 
@@ -308,7 +316,8 @@ class Program:
         values, unknowns = self._pose_values(*self.slotted(pool))
         count = len(self.space.problem.limits)
         fixed = [*materials, 1.0, 0.0, *[0.0] * (2 * count), *[1.0] * count, FLOOR_MM2, ROUNDINGS[-1]]
-        rows = self._rows([*x, 0.0, *[0.0] * count, *unknowns], [*fixed, *values])[0]
+        numbers = [*self._among_all(x), 0.0, *[0.0] * count, *unknowns]
+        rows = self._problem.rows(numbers, [*fixed, *values, *self._kinds])[0]
         squares = np.exp(np.array(rows).ravel()[self._place["errors"]]) - FLOOR_MM2
         return math.sqrt(max(float(squares.max(initial=0.0)), 0.0)) / MM
 
@@ -343,11 +352,11 @@ class Program:
 
     def _row_bounds(self, errors: Sequence[ErrorCut]) -> tuple[Array, Array]:
         """What each row lies between: nothing holds a pose that is free on its side or in its joints to spare."""
-        lower, upper = self._lower, np.zeros(len(self._lower))
+        lower, upper = self._lower, self._upper
         spare = self.model.arm.size - self._axes
         if not self._anchored or spare <= 0:
             return lower, upper
-        lower = lower.copy()
+        lower, upper = lower.copy(), upper.copy()
         for slot, cut in enumerate(errors):
             if cut.anchor is not None and cut.anchor.free:
                 upper[self._place["sides"].start + slot] = np.inf

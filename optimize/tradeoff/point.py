@@ -19,8 +19,8 @@ from linkwright.core.arm.figures import Cut
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.optimize.choice.combinations import MOST_COMBINATIONS
 from linkwright.core.optimize.choice.picks import Combination, combinations, count, one_link_changed, uniform
+from linkwright.core.optimize.exchange.assembled import Compiled
 from linkwright.core.optimize.exchange.binding_poses import ErrorCut, Pool
-from linkwright.core.optimize.exchange.compiled import Compiled
 from linkwright.core.optimize.exchange.design import design_space, material_row, starting_points
 from linkwright.core.optimize.exchange.exchange import Context, Exchange, Exchanged, context_of, first_pool
 from linkwright.core.optimize.problem import Problem

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -9,7 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from linkwright.core.optimize.exchange.compiled import Compiled
+from linkwright.core.optimize.exchange.assembled import Compiled
 from linkwright.core.optimize.exchange.design import design_space, material_row, starting_points
 from linkwright.core.optimize.exchange.exchange import Exchange, context_of, first_pool
 from linkwright.core.optimize.exchange.program import Ask
@@ -76,3 +77,39 @@ def test_derivatives_are_those_of_the_values(tmp_path: Path, name: str) -> None:
         hessian = upper + np.triu(upper, 1).T
         assert np.allclose(jacobian, by_difference(rows, x), rtol=1e-5, atol=1e-6 * np.abs(jacobian).max())
         assert np.allclose(hessian, by_difference(slope, x), rtol=1e-4, atol=1e-6 * np.abs(hessian).max())
+
+
+def test_combinations_share_one_problem_and_answer_as_alone(tmp_path: Path) -> None:
+    """A problem that holds all shapes gives each combination the design, error and prices of a problem of its own."""
+    text, shapes = PROBLEMS["free lengths"]
+    context, alone = (
+        context_of(
+            problem_of(
+                tmp_path,
+                jointed((400, 300), [DRIVE, DRIVE]),
+                f"{text}choose: {{section: [{', '.join(listed)}], material: [{ALUMINIUM}]}}\n",
+            )
+        )
+        for listed in (shapes, shapes[:1])
+    )
+    material = context.problem.materials_of(0)[0]
+    compiled, solvers = Compiled(), list[Any]()
+    for pick in itertools.product(shapes, repeat=2):
+        space = design_space(context.problem, pick)
+        materials = material_row((material, material), context.problem)
+        start = starting_points(space, materials, 1)[0]
+        pool = first_pool(context, space, start, (material, material))
+        program = Exchange(context, space, compiled).program(pool)
+        solvers.append(program.solver)
+        shared = program.solve(start, materials, pool)
+        # Shapes that a problem does not list are put together for themselves.
+        own = Exchange(alone, design_space(alone.problem, pick), Compiled()).program(pool)
+        assert own.solver.size_in("x0")[0] <= program.solver.size_in("x0")[0]
+        single = own.solve(start, materials, pool)
+        assert shared.solved
+        assert single.solved
+        assert shared.error == pytest.approx(single.error, rel=1e-7)
+        assert shared.x == pytest.approx(single.x, abs=1e-5)
+        assert shared.limit_prices == pytest.approx(single.limit_prices, abs=1e-6)
+        assert dict(shared.shape_prices) == pytest.approx(dict(single.shape_prices), abs=1e-6)
+    assert len({id(solver) for solver in solvers}) < len(solvers)
