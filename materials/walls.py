@@ -28,6 +28,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -182,6 +183,7 @@ def orthotropic(along: float, around: float, shear: float, poisson_ratio: float)
     return Orthotropic(along / whole, minor * along / whole, around / whole, shear)
 
 
+@lru_cache(maxsize=64)
 def wall_compliance(plane: Orthotropic, bending: Orthotropic | None = None) -> WallCompliance:
     """How walls of these stiffnesses buckle: A/t of `plane`, 12 D/t^3 of `bending` (that of a wall the same all
     through where it is left out)."""
