@@ -8,11 +8,14 @@ from __future__ import annotations
 from collections.abc import Callable
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkwright.core.arm.worst.refine import wander_in_region
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import climbing_bounds, wrapped
 from linkwright.core.sections.numeric import Array
+
+Ids = NDArray[np.int_]
 
 _THE_SAME = 1e-9
 """Figures that differ by less than this share differ by rounding."""
@@ -32,9 +35,10 @@ def climbed(
     if not len(rows):
         return poses[:0]
 
-    def load(q: Array) -> Array:
-        """The load of each climb, whose trial poses (equally many for each) follow each other in q."""
-        return loads(q)[np.arange(len(q)), np.repeat(rows, len(q) // len(rows))]
+    def load(q: Array, climb: Ids | None = None) -> Array:
+        """The load of poses q (N, n), each of a climb (N,); without those all climbs have equally many, in order."""
+        of_poses = np.repeat(rows, len(q) // len(rows)) if climb is None else rows[climb]
+        return loads(q)[np.arange(len(q)), of_poses]
 
     box = (search.lower, search.upper)
     if search.workspace.kind == "poses":
@@ -64,24 +68,28 @@ def plainest(load: Callable[[Array], Array], pose: Array, box: tuple[Array, Arra
     return plain
 
 
-def compass(value: Callable[[Array], Array], starts: Array, bounds: tuple[Array, Array], *, seed: int = 11) -> Array:
+def compass(
+    value: Callable[[Array, Ids], Array], starts: Array, bounds: tuple[Array, Array], *, seed: int = 11
+) -> Array:
     """Local maxima by compass search on all starts (N, n) at once, along axes turned at random (seeded) at each step.
 
-    `value` takes m trial poses for each start, (N m, n), start after start. Bounds may be infinite.
+    `value` takes trial poses (M, n), each of a start (M,). Bounds may be infinite.
     """
     generator = np.random.default_rng(seed)
     count, size = starts.shape
-    best, known, step = starts.copy(), value(starts), np.full(count, _FIRST_STEP)
+    best, known, step = starts.copy(), value(starts, np.arange(count)), np.full(count, _FIRST_STEP)
     for _ in range(_MOST_STEPS):
         frame = np.linalg.qr(generator.standard_normal((size, size)))[0]
         ways = np.vstack([frame, -frame, np.eye(size), -np.eye(size)])
-        trial = np.clip(best[:, None, :] + step[:, None, None] * ways, *bounds)
-        values = value(trial.reshape(-1, size)).reshape(count, -1)
-        top = values.argmax(axis=1)
-        better = values.max(axis=1) > known
-        best = np.where(better[:, None], trial[np.arange(count), top], best)
-        known = np.where(better, values.max(axis=1), known)
-        step = np.where(better, step, 0.5 * step)
-        if step.max() < _LAST_STEP:
+        # Most climbs end long before the last.
+        left = np.flatnonzero(step >= _LAST_STEP)
+        if not len(left):
             break
+        trial = np.clip(best[left, None, :] + step[left, None, None] * ways, *bounds)
+        values = value(trial.reshape(-1, size), np.repeat(left, len(ways))).reshape(len(left), -1)
+        top = values.argmax(axis=1)
+        better = values.max(axis=1) > known[left]
+        won = left[better]
+        best[won], known[won] = trial[better, top[better]], values.max(axis=1)[better]
+        step[left[~better]] *= 0.5
     return best
