@@ -20,7 +20,7 @@ from linkwright.core.units.quantities import InputError, NoAnswer, read_number
 from linkwright.core.units.reading import yaml_line
 
 from .asking import Asking
-from .frame import Problem, framed, heading, panel, row, sides, stack
+from .frame import Problem, dropped_or_chosen, framed, heading, panel, row, sides, stack
 
 _ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".parquet", ".pq", ".xlsx")
 
@@ -38,13 +38,12 @@ class DiagnosisPage(Asking):
         self._arm_text = ""
         self._fields: dict[str, ui.input | ui.select | ui.textarea] = {}
         lead = "Drop recordings of the real arm. The diagnosis finds what its file is missing."
-        with framed("Diagnosis", lead), sides() as (left, right):
+        with framed("Diagnosis", lead), sides("lw-diagnosis") as (left, right):
             with left:
                 with panel():
                     self._choice = ui.select([], label="Arm file", on_change=self._arm_chosen)
                     self._choice.props("dense outlined").classes("w-full")
                     self._upload = ui.upload(
-                        label=f"Recordings: drop them here or choose (at most {MOST_UPLOADED // 1024**2} MB)",
                         multiple=True,
                         auto_upload=True,
                         max_file_size=MOST_UPLOADED,
@@ -52,14 +51,19 @@ class DiagnosisPage(Asking):
                         on_rejected=self._too_large,
                     ).props('flat bordered accept="' + ",".join(_ENDINGS) + '"')
                     self._upload.on("finish", self._upload.reset)
+                    dropped_or_chosen(
+                        self._upload,
+                        f"Drop recordings here (at most {MOST_UPLOADED // 1024**2} MB)",
+                        "Choose recordings",
+                    )
                 self._problem = Problem()
                 self._offers = row()
-                with panel() as self._asked:
+                with panel().classes("lw-asked") as self._asked:
                     self._ask()
             with right:
                 with panel() as self._first:
                     self._explain()
-                with ui.expansion(_COLUMNS, value=True).classes("lw-panel") as self._map_panel:
+                with ui.expansion(_COLUMNS, value=True).classes("lw-panel lw-columns") as self._map_panel:
                     self._map = stack()
                 self._answers()
         self._asked.visible = self._map_panel.visible = False
@@ -76,6 +80,8 @@ class DiagnosisPage(Asking):
 
     async def _simulated(self) -> None:
         """Drop a recording that the arm itself makes, with an encoder that is off."""
+        if self._arm is None:
+            await self._arm_chosen()  # its file may still be on the way
         if self._arm is None:
             self._problem.say(_NO_ARM)
             return

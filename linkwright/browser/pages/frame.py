@@ -56,10 +56,22 @@ def framed(title: str, lead: str = "") -> Generator[None]:
 
 
 @contextmanager
-def sides() -> Generator[tuple[ui.element, ui.element]]:
-    """Two columns, a form and what comes of it; on a narrow screen the one below the other."""
-    with ui.element("div").classes("lw-two"):
+def sides(kind: str = "") -> Generator[tuple[ui.element, ui.element]]:
+    """Two columns, a form and what comes of it; on a narrow screen the one below the other, or in the order that the
+    style of a `kind` of page gives them."""
+    with ui.element("div").classes(f"lw-two {kind}"):
         yield stack(), stack().classes("lw-right")
+
+
+def dropped_or_chosen(upload: ui.upload, text: str, button: str) -> None:
+    """What a place for files says, and its button, which a keyboard reaches and a screen reader names."""
+    upload.add_slot(
+        "header",
+        f"""<div class="lw-drop">
+        <span>{text}</span>
+        <q-btn outline dense no-caps label="{button}" @click="props.pickFiles"><q-uploader-add-trigger /></q-btn>
+        </div>""",
+    )
 
 
 def heading(text: str, level: int = 2) -> ui.label:

@@ -169,6 +169,9 @@ def _turned(axis: Array) -> list[list[float]]:
 
 
 _SPACE, _SIDE = "In space", "From the side"
+_HEAR_SCHEME = """<script>
+matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => emitEvent("lw-scheme"));
+</script>"""
 
 
 class PoseView:
@@ -191,6 +194,8 @@ class PoseView:
         self._panels = panels
         self._words = ui.label().classes("lw-note").props("role=status")
         self._sliders = ui.element("div").classes("lw-slides")
+        ui.add_head_html(_HEAR_SCHEME)
+        ui.on("lw-scheme", self._draw_anew)
 
     async def show(self, arm: Arm) -> None:
         """Draw an arm: at the pose that was chosen, or in the middle of its ranges where those are others."""
@@ -223,6 +228,12 @@ class PoseView:
             await self._draw()
 
         slider.on("update:model-value", moved, throttle=0.08)
+
+    async def _draw_anew(self) -> None:
+        """The scene in the colours that the page has now."""
+        self._place.clear()
+        self._scene = None
+        await self._draw()
 
     async def _draw(self) -> None:
         """Draw what is looked at; a pose that another has overtaken is passed over."""

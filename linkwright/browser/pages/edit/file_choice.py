@@ -11,7 +11,7 @@ from typing import cast
 from nicegui import events, ui
 
 from linkwright.browser.pages.edit.editor import YamlEditor
-from linkwright.browser.pages.frame import Problem, panel, row, stack
+from linkwright.browser.pages.frame import Problem, dropped_or_chosen, panel, row, stack
 from linkwright.browser.server.answers import Desk
 from linkwright.browser.server.asked import Asked
 from linkwright.browser.server.dropped import plain_name
@@ -96,8 +96,9 @@ class NewArm:
             self._like = ui.select(list(texts), label="One that is shipped", with_input=True).props("dense outlined")
             self._like.classes("w-full")
             self._like.on_value_change(lambda: self._copied(texts))
-            self._upload = ui.upload(label="or a URDF: drop it here", auto_upload=True, on_upload=self._urdf)
+            self._upload = ui.upload(auto_upload=True, on_upload=self._urdf)
             self._upload.props('flat bordered accept=".urdf,.xml"').on("finish", self._upload.reset)
+            dropped_or_chosen(self._upload, "or drop a URDF here", "Choose a URDF")
             with row() as self._tips:
                 self._tip = ui.input("Link at the tip").props("dense outlined").classes("grow")
                 ui.button("Take it", on_click=self._imported).props("dense no-caps")
