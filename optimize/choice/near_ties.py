@@ -105,7 +105,8 @@ class _Search:
             count = len(self.solved)
             chooser.progress(count, min(count + 1 + more, MOST_SOLVED), "solving near ties")
         branching = None if self.among is None else self.among.branching
-        if branching is not None and not branching.could_reach(pick, self.limit):
+        # A bound takes longer than a solution; only to find that there is none takes longer still.
+        if branching is not None and self._in_vain and not branching.could_reach(pick, self.limit):
             return
         solved = chooser.solve(pick)
         if self.among is not None and self.among.bounds is not None:
