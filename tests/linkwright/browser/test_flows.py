@@ -365,3 +365,35 @@ def test_a_result_is_removed(server, page):
     page.get_by_role("button", name=f"remove result {number}", exact=True).click()
     page.get_by_text("a line <b>of</b> text").wait_for(state="detached")
     assert Shelf(server.folder).find(number) is None
+
+
+def test_columns_stand_above_the_button_on_a_phone(server, page):
+    """Beside it at a desk. Files are chosen by a button with a name."""
+    page.goto(server.url + "diagnosis")
+    page.get_by_text("example-arm.yaml").or_(page.locator("input[value='example-arm.yaml']")).first.wait_for()
+    page.get_by_role("button", name="Choose recordings").wait_for()
+    page.get_by_role("button", name="Try a simulated recording").click()
+    columns = page.locator(".lw-map")
+    columns.last.wait_for()
+    below = columns.last.bounding_box()
+    button = page.get_by_role("button", name="Diagnose").bounding_box()
+    if page.viewport_size["width"] < 900:
+        assert below["y"] + below["height"] < button["y"]
+    else:
+        assert columns.first.bounding_box()["x"] > button["x"] + button["width"]
+
+
+def test_the_keyboard_shows_where_it_is(server, page):
+    """Each link and button that it comes to has a mark of its own, 3 px wide."""
+    page.goto(server.url)
+    page.locator(".lw-scene canvas").wait_for()
+    marked = set()
+    for _ in range(10):
+        page.keyboard.press("Tab")
+        kind, mark = page.evaluate(
+            "() => { const e = document.activeElement; return [e.tagName, getComputedStyle(e).boxShadow]; }"
+        )
+        if kind in ("A", "BUTTON"):
+            assert mark.endswith("0px 0px 0px 3px")
+            marked.add(kind)
+    assert marked == {"A", "BUTTON"}

@@ -73,3 +73,20 @@ def test_sliders_move_the_arm_and_its_error(server, page):
     page.get_by_role("button", name="Above view").press("Enter")
     page.get_by_role("tab", name="From the side").press("Enter")
     page.locator(".lw-picture svg .joint").first.wait_for()
+
+
+@pytest.mark.slow
+@pytest.mark.xdist_group("browser")
+def test_the_arm_in_space_follows_the_colours_of_the_page(server, page):
+    """Also when they change while it is looked at."""
+    shade = """() => {
+        const drawn = document.querySelector(".lw-scene"), scene = drawn && window["scene_" + drawn.id];
+        const joints = scene ? scene.children.filter(each => each.name === "joint 1") : [];
+        return joints.map(each => each.material.color.getHexString())[0];
+    }"""
+    Folder(server.folder).add_examples()
+    page.emulate_media(color_scheme="light")
+    page.goto(server.url)
+    page.wait_for_function(f"() => ({shade})() === '56616f'")
+    page.emulate_media(color_scheme="dark")
+    page.wait_for_function(f"() => ({shade})() === 'aab4c0'")
