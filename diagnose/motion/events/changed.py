@@ -17,10 +17,12 @@ from linkwright.core.diagnose.motion.model.noise import Noise, noise
 from linkwright.core.diagnose.motion.model.products import Products, products
 from linkwright.core.diagnose.motion.model.rows import LogRows, joint_rows
 from linkwright.core.diagnose.motion.model.steps import Parts, Step, SteppedFit, fitted, may_step, tried
-from linkwright.core.diagnose.motion.result import Change, Instant
+from linkwright.core.diagnose.motion.result import Change
 from linkwright.core.diagnose.result import HALF, FittedParameter
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
+
+from .placed import Placed, placed
 
 _PARTS = 40
 """Parts of a log between which a change is looked for first; within them every sample is tried."""
@@ -65,12 +67,13 @@ class Logs:
 
 @dataclass(frozen=True)
 class Settled:
-    """A step with its `change`, the rows it spans, and the share of the square that it explains `within` these; of one
-    that was chosen, how many nats it gains, its choice `paid` for."""
+    """A step with its `change`, the rows it spans, what it has `added` to the torques (M, n), and the share of the
+    square that it explains `within` its rows; of one that was chosen, how many nats it gains, its choice `paid` for."""
 
     step: Step
     change: Change
     span: tuple[int, int]
+    added: Array
     within: float
     paid: float = 0.0
 
@@ -97,9 +100,8 @@ def stepped(
             before = made
             if made is None or stands:
                 break
-            less, there = row.target.copy(), slice(*made.span)
-            less[there] -= _added(row, made.step)[there]
-            quiet = [replace(row, target=less) if log == number else item for log, item in enumerate(rows)]
+            less = replace(row, target=row.target - made.added)
+            quiet = [less if log == number else item for log, item in enumerate(rows)]
             logs = replace(logs, weights=noise(pool, products(joint_rows(quiet), pool.width, near=False)).weights)
         if before and before.paid > rules.search.margin and before.change.share > HALF:
             yield before
@@ -124,37 +126,54 @@ def _likeliest(
 
 
 def settled(logs: Logs, number: int, fit: SteppedFit, *, rules: Rules) -> Settled:
-    """The change in a log (its number) with its instants and sizes in turn until the instants stand."""
+    """The change in a log (its number) by its instants."""
+    alone, start, end = roughly(logs, number, fit)
     rows = logs.rows[number]
+    return settled_at(rows, alone, placed(rows, alone, fit.steps[0], start, end), rules=rules)
+
+
+def roughly(logs: Logs, number: int, fit: SteppedFit) -> tuple[SteppedFit, float, float | None]:
+    """Between which rows of a log (its number) a step is likeliest, rows and sizes in turn until the rows stand: the
+    library alone, and the times of its start and its end (None: the log's)."""
+    rows, clock = logs.rows[number], _clock(logs.rows[number])
     start, stop = -1, -1
     for _ in range(_ROUNDS):
         earlier = start, stop
-        start, stop, gained = _span(rows, fit)
+        start, stop = _span(rows, fit)
         if (start, stop) == earlier:
             break
         motion, there = logs.between(number, start, stop)
         fit = logs.fitted(motion, (replace(fit.steps[0], parts=there),))
-    start, stop, gained = _span(rows, fit)
-    clock, (step,) = rows.prepared.motion.time[rows.prepared.kept], fit.steps
-    begins = np.flatnonzero(gained[:stop] - gained[start] <= LIKELY)
-    ends = start + np.flatnonzero(gained[stop] - gained[start:] <= LIKELY)
-    constant = float(np.sum(_squares(rows, logs.fitted(fit.motion).common, fit.weights)))
-    before, after = (_squares(rows, sizes, fit.weights) for sizes in _sizes(fit))
-    left = float(np.sum(before[:start]) + np.sum(after[start:stop]) + np.sum(before[stop:]))
+    return logs.fitted(fit.motion), float(clock[start]), float(clock[stop]) if stop < len(clock) else None
+
+
+def settled_at(rows: LogRows, alone: SteppedFit, made: Placed, *, rules: Rules) -> Settled:
+    """The change that a step makes at its instants, beside the library `alone`."""
+    clock, step = _clock(rows), made.step
+    start = min(int(np.searchsorted(clock, made.start.time)), len(clock) - 1)
+    stop = len(clock) if made.end is None else max(int(np.searchsorted(clock, made.end.time)), start + 1)
+    left = rows.target - rows.explained(made.common)
+    constant, before, after = (
+        np.square(each * rows.prepared.moving) @ alone.weights
+        for each in (rows.target - rows.explained(alone.common), left, left - made.added)
+    )
     change = Change(
         step.group.effect.id,
         step.group.at,
         sized(step, rows, rules=rules),
         rows.prepared.log.file,
-        Instant(float(clock[start]), (float(clock[max(begins[0] - 1, 0)]), float(clock[begins[-1]]))),
-        None
-        if stop == len(clock)
-        else Instant(float(clock[stop]), (float(clock[ends[0] - 1]), float(clock[min(ends[-1], len(clock) - 1)]))),
-        1.0 - left / max(constant, 1e-300),
-        tuple(np.sqrt(np.mean(np.square(_added(rows, step)[start:stop]), axis=0)).tolist()),
+        made.start,
+        made.end,
+        1.0 - float(np.sum(after)) / max(float(np.sum(constant)), 1e-300),
+        tuple(np.sqrt(np.mean(np.square(made.added[start:stop]), axis=0)).tolist()),
     )
     within = float(np.sum(after[start:stop])) / max(float(np.sum(before[start:stop])), 1e-300)
-    return Settled(step, change, (start, stop), 1.0 - within)
+    return Settled(step, change, (start, stop), made.added, 1.0 - within)
+
+
+def _clock(rows: LogRows) -> Array:
+    """When (M,) s each row is."""
+    return rows.prepared.motion.time[rows.prepared.kept]
 
 
 def sized(step: Step, rows: LogRows, *, rules: Rules) -> tuple[FittedParameter, ...]:
@@ -165,35 +184,21 @@ def sized(step: Step, rows: LogRows, *, rules: Rules) -> tuple[FittedParameter, 
     return parameters_of(step.group, rows.prepared.motion.arm, step.numbers, half, shown)
 
 
-def _added(rows: LogRows, step: Step) -> Array:
-    """What a step adds to the torques (M, n), N*m."""
-    sizes = np.zeros(1 + max(int(columns.max(initial=0)) for columns in rows.columns))
-    sizes[step.group.columns] = step.group.values(step.numbers)
-    return rows.explained(sizes)
-
-
-def _sizes(fit: SteppedFit) -> tuple[Array, Array]:
-    """The sizes (W,) without the step, and with it."""
-    (step,) = fit.steps
-    there = fit.common.copy()
-    there[step.group.columns] += step.group.values(step.numbers)
-    return fit.common, there
-
-
 def _squares(rows: LogRows, sizes: Array, weights: Array) -> Array:
     """Squares (M,) of what sizes (W,) leave of the torques where these count, joints weighed by `weights` (n,)."""
     return np.asarray(np.square((rows.target - rows.explained(sizes)) * rows.prepared.moving) @ weights)
 
 
-def _span(rows: LogRows, fit: SteppedFit) -> tuple[int, int, Array]:
-    """The row from which on the step fits best and the first that it no longer fits (M where it lasts to the end), and
-    how many nats it has gained before each row (M + 1,).
+def _span(rows: LogRows, fit: SteppedFit) -> tuple[int, int]:
+    """The row from which on the step fits best and the first that it no longer fits (M where it lasts to the end).
 
     (The greatest sum of consecutive terms: J. Bentley, Programming Pearls, Comm. ACM 27 (1984) 865.)
     """
-    before, after = (_squares(rows, sizes, fit.weights) for sizes in _sizes(fit))
+    (step,), there = fit.steps, fit.common.copy()
+    there[step.group.columns] += step.group.values(step.numbers)
+    before, after = (_squares(rows, sizes, fit.weights) for sizes in (fit.common, there))
     gained = np.concatenate(([0.0], 0.5 * np.cumsum(before - after)))
     stop = int(np.argmax(gained - np.minimum.accumulate(gained)))
     if stop == 0 or gained[-1] >= gained[stop] - LIKELY:
         stop = len(before)  # so does one that gains nowhere, which explains nothing
-    return int(np.argmin(gained[:stop])), stop, gained
+    return int(np.argmin(gained[:stop])), stop

@@ -16,8 +16,8 @@ from linkwright.core.diagnose.motion.model.candidates import Candidates
 from linkwright.core.diagnose.motion.model.groups import Group, Source
 from linkwright.core.sections.numeric import Array
 
-_FORCE = 100.0
-"""N, that is common: ISO/TS 15066:2016, annex A, allows 65 to 280 N where people may be touched."""
+_FORCE = 280.0
+"""N, that is common: ISO/TS 15066:2016, annex A, allows 65 to 280 N where people are touched, at once twice that."""
 
 
 def _torques(motion: Motion, settings: Settings) -> Mapping[int, Array]:

@@ -14,6 +14,8 @@ CONTACT, COLLISION = (8.0, 10.5), (12.0, 12.15)
 """From when to when (s)."""
 STEP = 0.1
 """s: rows are 0.08 s apart, and the low-pass is of 4 Hz."""
+SHORT = 0.02
+"""s: two samples."""
 
 
 def push(force, span, along=1.0):
@@ -54,10 +56,24 @@ def test_a_collision_is_said_and_set_aside(tmp_path):
     assert (event.kind, event.links, result.verdict) == ("collision", (2,), "none")
     said = motion_json(result)["events"]
     assert [(item["kind"], item["links"], item["effect"]) for item in said] == [("collision", [2], "push")]
-    assert (said[0]["start_s"], said[0]["end_s"]) == pytest.approx(COLLISION, abs=STEP)
+    assert (said[0]["start_s"], said[0]["end_s"]) == pytest.approx(COLLISION, abs=SHORT)
     assert answer(result).lower().startswith("collision at link 2 from")
     assert "Events in the log" in [item.title for item in describe(result).items if isinstance(item, Section)]
     assert result.rms_after == pytest.approx(diagnosed(tmp_path, 1, lambda q, _: 0.0 * q).rms_after, rel=0.3)
+
+
+@pytest.mark.parametrize(("seed", "span"), [(1, (12.0, 12.15)), (2, (12.034, 12.184)), (4, (9.01, 9.36))])
+def test_how_hard_a_collision_is(tmp_path, seed, span):
+    """A push that is shorter than what the low-pass of 4 Hz blurs is told with its full force and its instants, by
+    samples of 0.01 s: cut to its window after the low-pass it would be half of that."""
+    force = np.array([120.0, -90.0])
+    (event,) = diagnosed(tmp_path, seed, push(force, span)).events
+    (size,) = event.change.parameters
+    assert size.interval[0] <= 150.0 <= size.interval[1]
+    assert size.value == pytest.approx(150.0, rel=0.1)
+    for instant, true in zip((event.change.start, event.change.end), span, strict=True):
+        assert instant.interval[0] <= true <= instant.interval[1]
+        assert instant.time == pytest.approx(true, abs=SHORT)
 
 
 @pytest.mark.parametrize("seed", [5, 6, 7])
