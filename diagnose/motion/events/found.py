@@ -22,7 +22,7 @@ from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 from .changed import Logs, roughly, settled_at, stepped
-from .placed import Placed, placed
+from .placed import SETTLED, Placed, placed
 from .push import PUSH, with_pushes
 
 _PARTS = 40
@@ -94,7 +94,7 @@ def set_aside(logs: Sequence[MotionLog], prepared: Sequence[LogRows], event: Eve
     made = list[MotionLog]()
     for log, row in zip(logs, prepared, strict=True):
         begin, end = event.change.start, event.change.end
-        around = 1.0 / min(row.prepared.cutoff, row.prepared.rate)
+        around = SETTLED / min(row.prepared.cutoff, row.prepared.rate)
         aside = (begin.interval[0] - around, (np.inf if end is None else end.interval[1]) + around)
         if end is None and begin.time - log.time[0] < HALF * (log.time[-1] - begin.time):
             aside = (-np.inf, begin.interval[1] + around)

@@ -27,7 +27,7 @@ _ROUNDS = 8
 """Times that instants are tried closer to where they are likely, at most."""
 _BARELY = 8.0
 """Nats by which a pair of instants may be less likely than the best and still count."""
-_SETTLED = 2.0
+SETTLED = 2.0
 """Low-pass periods after which one part in a thousand of an edge is left."""
 _TAIL = 0.025
 """What lies beyond either end of a 95 % interval."""
@@ -133,7 +133,7 @@ def _since(rows: LogRows, design: Array, instants: Array, at: NDArray[np.int64])
     made = (time[kept[at]] >= instants[:, None])[..., None, None] * design[at]
     if prepared.low_pass is None or not len(finite):
         return made
-    reach = _SETTLED / prepared.cutoff
+    reach = SETTLED / prepared.cutoff
     near = (time[kept[at]] >= finite.min() - reach) & (time[kept[at]] <= finite.max() + reach)
     here = at[near]
     if not len(here):
@@ -163,7 +163,7 @@ def _near(rows: LogRows, *instants: Array) -> tuple[NDArray[np.int64], NDArray[n
     """Rows that go by which of some starts and ends it is, and those between, where it does not matter."""
     prepared = rows.prepared
     clock = prepared.motion.time[prepared.kept]
-    reach = 0.0 if prepared.low_pass is None else _SETTLED / prepared.cutoff
+    reach = 0.0 if prepared.low_pass is None else SETTLED / prepared.cutoff
     near = np.zeros(len(clock), dtype=bool)
     for each in instants:
         near |= (clock >= each.min() - reach) & (clock <= each.max() + reach)
