@@ -49,10 +49,25 @@ class Assembled:
         """The rows (g) and their Jacobian by x and the parameters."""
         return self.solver.get_function("nlp_jac_g")
 
-    @cached_property
-    def moving(self) -> NDArray[np.int_]:
-        """Which rows which numbers move: (2, M), rows above numbers."""
-        return np.array(self.rows.sparsity_out("jac_g_x").get_triplet(), dtype=int)
+    def moving(self, shapes: Sequence[str | None]) -> NDArray[np.int_]:
+        """Which rows which numbers move where the links have these shapes: (2, M), rows above numbers. Of all that
+        share the problem, other shapes move more: a rod has no bore."""
+        if self.core.modes is None:
+            return np.array(self.rows.sparsity_out("jac_g_x").get_triplet(), dtype=int)
+        width, count = len(link_fields(self.core.modes)), self.solver.size1_in("x0")
+        slacks = range(self.count + 1, count - self.core.unknowns)
+        of_core = _pattern(self.core.first, 1)
+        brought = np.zeros((of_core.shape[1], count), dtype=bool)
+        brought[width * len(shapes) :, self.count :] = np.eye(count - self.count, dtype=bool)
+        own = np.zeros((sum(self.heights), count), dtype=bool)
+        for link, shape in enumerate(shapes):
+            column, rows = (_pattern(self.links[link][shape].first, output) for output in (2, 3))
+            used = column.shape[1] - len(slacks)
+            places = [*self.numbers[link][:used], *slacks]
+            brought[width * link : width * link + len(column), places] = column
+            first = sum(self.heights[:link])
+            own[first : first + len(rows), places] = rows
+        return np.stack(np.nonzero(np.concatenate((of_core @ brought, own))))
 
     def places(self, space: DesignSpace) -> NDArray[np.int_]:
         """Where in x the variables of a combination stand."""
@@ -256,6 +271,11 @@ def _joined(
         ),
     }
     return {"x": x, "p": every, "f": f, "g": rows}, named
+
+
+def _pattern(function: Any, output: int) -> NDArray[np.bool_]:
+    """Where an output of a function may be other than zero."""
+    return np.array(ca.DM(function.sparsity_out(output), 1.0).full(), dtype=bool)
 
 
 def _picking(places: Iterable[int], count: int) -> Any:

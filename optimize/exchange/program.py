@@ -168,6 +168,7 @@ class Program:
         self._problem = assembled(compiled, space, model, families, room, scenarios, ipopt_options())
         core, self.solver = self._problem.core, self._problem.solver
         self._kinds, self._numbers = self._problem.kinds(space.shapes), self._problem.places(space)
+        self._moving = self._problem.moving(space.shapes)
         self._links = [of_link[shape] for of_link, shape in zip(self._problem.links, space.shapes, strict=True)]
         self._limits = {name: block.limits for name, block in core.blocks.items()}
         self._place: dict[str, slice] = {}
@@ -292,7 +293,7 @@ class Program:
     def _settled(self, fixed: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Which rows no number moves that is free: those that depend on the fixed ones alone."""
         settled = np.ones(len(self._lower), dtype=bool)
-        rows, numbers = self._problem.moving
+        rows, numbers = self._moving
         settled[rows[~fixed[numbers]]] = False
         return settled
 
