@@ -92,7 +92,7 @@ NO_RULES = {
     "motion/judged.py": {"_SETTLED", "_STEPS"},
     "motion/events/changed.py": {"SURE", "_PARTS", "_ROUNDS"},  # a normal distribution's; how a search goes
     "motion/events/found.py": {"_DRAWS", "_FELT", "_MOST", "_PARTS", "_ROUNDS"},
-    "motion/events/placed.py": {"_BARELY", "_INSTANTS", "_ROUNDS", "SETTLED", "_TAIL"},
+    "motion/events/placed.py": {"_AT_ONCE", "_BARELY", "_INSTANTS", "_ROUNDS", "SETTLED", "_TAIL"},
     "motion/events/push.py": {"PUSH", "_FORCE"},  # a usual size
     "motion/model/candidates.py": {"_BETWEEN", "_MOST_VARIANTS", "_PROBED"},  # what a scan is for
     "motion/model/groups.py": {"SHARPER"},

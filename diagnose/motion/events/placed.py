@@ -27,6 +27,8 @@ _ROUNDS = 8
 """Times that instants are tried closer to where they are likely, at most."""
 _BARELY = 8.0
 """Nats by which a pair of instants may be less likely than the best and still count."""
+_AT_ONCE = 256
+"""Rows that are cut to all instants at once: what is held grows with its square."""
 SETTLED = 2.0
 """Low-pass periods after which one part in a thousand of an edge is left."""
 _TAIL = 0.025
@@ -174,22 +176,27 @@ def _near(rows: LogRows, *instants: Array) -> tuple[NDArray[np.int64], NDArray[n
 def _pairs(rows: LogRows, fit: SteppedFit, group: Group, design: Array, starts: Array, ends: Array) -> Pairs:
     """What a group gains between each of some starts and each of some ends, beside the whole library."""
     at, between = _near(rows, starts, ends)
-    one, other = (_since(rows, design, instants, at) for instants in (starts, ends))
     count, rank = len(starts) + len(ends), group.rank
-    columns = np.concatenate((one, other)).transpose(1, 2, 0, 3).reshape(len(at), design.shape[1], -1)
     gram, against = np.zeros((count * rank, count * rank)), np.zeros(count * rank)
     across = np.zeros((fit.motion.width, count * rank))
-    for joint, where in enumerate(rows.columns):
-        weight = fit.weights[joint] * rows.prepared.moving[:, joint]
-        left = rows.target[:, joint] - rows.design[joint] @ fit.common[where]
-        for numbers, here, copies in (
-            (at, columns[:, joint], 1),
-            (between, design[between, joint], len(starts)),
-        ):
-            weighed, span = weight[numbers, None] * here, slice(0, copies * here.shape[1])
+
+    def counted(numbers: NDArray[np.int64], columns: Array, copies: int) -> None:
+        """What so many copies of columns (R, n, d) at rows (R,) add to the sums."""
+        span = slice(0, copies * columns.shape[2])
+        for joint, where in enumerate(rows.columns):
+            here, held = columns[:, joint], rows.design[joint][numbers]
+            weight = fit.weights[joint] * rows.prepared.moving[numbers, joint]
+            left = rows.target[numbers, joint] - held @ fit.common[where]
+            weighed = weight[:, None] * here
             gram[span, span] += np.tile(here.T @ weighed, (copies, copies))
-            against[span] += np.tile(weighed.T @ left[numbers], copies)
-            across[where, span] += np.tile(rows.design[joint][numbers].T @ weighed, copies)
+            against[span] += np.tile(weighed.T @ left, copies)
+            across[where, span] += np.tile(held.T @ weighed, copies)
+
+    for some in np.array_split(at, 1 + len(at) // _AT_ONCE):
+        one, other = (_since(rows, design, instants, some) for instants in (starts, ends))
+        columns = np.concatenate((one, other)).transpose(1, 2, 0, 3)
+        counted(some, columns.reshape(*columns.shape[:2], -1), 1)
+    counted(between, design[between], len(starts))
     gram -= across.T @ fit.covariance[: len(across), : len(across)] @ across
     inner, score = gram.reshape(count, rank, count, rank), against.reshape(count, rank)
     first, last = np.arange(len(starts))[:, None], len(starts) + np.arange(len(ends))
