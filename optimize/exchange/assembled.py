@@ -59,22 +59,22 @@ class Assembled:
         of_core = _pattern(self.core.first, 1)
         brought = np.zeros((of_core.shape[1], count), dtype=bool)
         brought[width * len(shapes) :, self.count :] = np.eye(count - self.count, dtype=bool)
-        own = np.zeros((sum(self.heights), count), dtype=bool)
+        of_links = np.zeros((sum(self.heights), count), dtype=bool)
         for link, shape in enumerate(shapes):
             column, rows = (_pattern(self.links[link][shape].first, output) for output in (2, 3))
             used = column.shape[1] - len(slacks)
             places = [*self.numbers[link][:used], *slacks]
             brought[width * link : width * link + len(column), places] = column
             first = sum(self.heights[:link])
-            own[first : first + len(rows), places] = rows
-        return np.stack(np.nonzero(np.concatenate((of_core @ brought, own))))
+            of_links[first : first + len(rows), places] = rows
+        return np.stack(np.nonzero(np.concatenate((of_core @ brought, of_links))))
 
     def places(self, space: DesignSpace) -> NDArray[np.int_]:
         """Where in x the variables of a combination stand."""
         places = np.arange(len(space.variables))
         for link, numbers in enumerate(self.numbers if self.count > len(places) else ()):
-            own = numbers_of(space, link)
-            places[own] = numbers[: len(own)]
+            settle = numbers_of(space, link)
+            places[settle] = numbers[: len(settle)]
         return places
 
 
@@ -123,9 +123,9 @@ def _shared_shapes(space: DesignSpace) -> tuple[tuple[str | None, ...], ...]:
 def _assembled(compiled: Compiled, space: DesignSpace, core: Core, options: dict[str, Any]) -> Assembled:
     """The finite problem by x, y, the slacks and the unknown poses. The rows of the links come after those of the
     core."""
-    problem, own = space.problem, core.modes is None
+    problem, single = space.problem, core.modes is None
     size, slacks = problem.arm.size, len(problem.limits)
-    shapes = tuple((shape,) for shape in space.shapes) if own else _shared_shapes(space)
+    shapes = tuple((shape,) for shape in space.shapes) if single else _shared_shapes(space)
     spaces = [space]
     if any(len(item) > 1 for item in shapes):
         spaces = [
@@ -144,10 +144,10 @@ def _assembled(compiled: Compiled, space: DesignSpace, core: Core, options: dict
     else:
         most = [max(item.value.size1_in(0) for item in of_link.values()) - slacks for of_link in links]
         ends = list(itertools.accumulate(most))
-        numbers = tuple(tuple(range(end - own, end)) for own, end in zip(most, ends, strict=True))
+        numbers = tuple(tuple(range(end - many, end)) for many, end in zip(most, ends, strict=True))
         count = ends[-1]
     heights = tuple(max(item.value.size1_out(1) for item in of_link.values()) for of_link in links)
-    width = 0 if own else len(link_fields(core.modes or 0))
+    width = 0 if single else len(link_fields(core.modes or 0))
     chosen = [
         _one_of([_padded(item, len(numbers[link]), slacks, width, heights[link]) for item in of_link.values()])
         for link, of_link in enumerate(links)
@@ -173,22 +173,24 @@ def _padded(functions: LinkFunctions, numbers: int, slacks: int, least: int, hei
         ca.MX.sym(name, length)
         for name, length in (("u", numbers + slacks), ("material", len(MATERIAL_FIELDS)), ("levels", slacks))
     )
-    of_column, of_own = ca.MX.sym("of_column", width), ca.MX.sym("of_own", height)
+    of_column, of_rows = ca.MX.sym("of_column", width), ca.MX.sym("of_rows", height)
     given = (ca.vertcat(u[:used], u[numbers:]), material, levels)
     by = _picking([*range(used), *range(numbers, numbers + slacks)], numbers + slacks)
 
     def tall(rows: Any, height: int) -> Any:
         return rows if rows.size1() == height else ca.vertcat(rows, ca.MX(height - rows.size1(), rows.size2()))
 
-    column, own = functions.value(*given)
-    _, _, by_column, by_own = functions.first(*given)
-    hessian = functions.second(*given, of_column[:brings], of_own[:holds])
-    brought = [tall(column, width), tall(own, height)]
-    slopes = [tall(ca.mtimes(by_column, by), width), tall(ca.mtimes(by_own, by), height)]
+    column, rows = functions.value(*given)
+    _, _, by_column, by_rows = functions.first(*given)
+    hessian = functions.second(*given, of_column[:brings], of_rows[:holds])
+    brought = [tall(column, width), tall(rows, height)]
+    slopes = [tall(ca.mtimes(by_column, by), width), tall(ca.mtimes(by_rows, by), height)]
     return (
         ca.Function("link", [u, material, levels], brought),
         ca.Function("link_first", [u, material, levels], [*brought, *slopes]),
-        ca.Function("link_second", [u, material, levels, of_column, of_own], [ca.mtimes(by.T, ca.mtimes(hessian, by))]),
+        ca.Function(
+            "link_second", [u, material, levels, of_column, of_rows], [ca.mtimes(by.T, ca.mtimes(hessian, by))]
+        ),
     )
 
 
@@ -207,7 +209,7 @@ def _joined(
     heights: Sequence[int],
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """The program for the solver, and the derivatives given to it (by their names)."""
-    own, size = core.modes is None, len(links)
+    single, size = core.modes is None, len(links)
     width = len(link_fields(core.modes or 0))
     x = ca.MX.sym("x", count + 1 + slacks + core.unknowns)
     every = ca.MX.sym("p", core.parameters + size)
@@ -215,7 +217,7 @@ def _joined(
     first = len(MATERIAL_FIELDS) * size + 2 + 2 * slacks
     levels = p[first : first + slacks]
     rest = x[count:]
-    places = [[*own_numbers, *range(count + 1, count + 1 + slacks)] for own_numbers in numbers]
+    places = [[*of_link, *range(count + 1, count + 1 + slacks)] for of_link in numbers]
     given = [
         (
             every[core.parameters + link],
@@ -230,17 +232,17 @@ def _joined(
     picked = _picking(itertools.chain(*places), x.numel())
 
     def brought(of_links: Sequence[Any]) -> Any:
-        return x if own else ca.vertcat(*[item[0] for item in of_links], rest)
+        return x if single else ca.vertcat(*[item[0] for item in of_links], rest)
 
     w, by_x = brought(slopes), ca.DM.eye(x.numel())
-    if not own:
+    if not single:
         by_x = ca.mtimes(ca.diagcat(*[item[2] for item in slopes]), picked)
         by_x = ca.vertcat(by_x, _picking(range(count, x.numel()), x.numel()))
     f, (f_, by_f) = core.objective(w, p), core.slope(w, p)
     g, (g_, jacobian) = core.value(brought(values), p), core.first(w, p)
     slope = ca.mtimes(by_x.T, by_f)
     ahead = core.slope.size1_out(1) - rest.numel()
-    if not own and min(core.slope.sparsity_out(1).get_triplet()[0], default=ahead) >= ahead:
+    if not single and min(core.slope.sparsity_out(1).get_triplet()[0], default=ahead) >= ahead:
         # An error that is least is a number of its own: no link moves it.
         alone = ca.vertcat(ca.MX(ahead, 1), rest)
         f, (f_, by_f) = core.objective(alone, p), core.slope(alone, p)
@@ -253,7 +255,7 @@ def _joined(
     start = g.numel()
     for link, (_, _, second) in enumerate(links):
         brings = values[link][0].size1()
-        by_column = ca.MX(brings, 1) if own else by_w[width * link : width * (link + 1)]
+        by_column = ca.MX(brings, 1) if single else by_w[width * link : width * (link + 1)]
         curved.append(second(*given[link], by_column, of_g[start : start + heights[link]]))
         start += heights[link]
     total = ca.mtimes(by_x.T, ca.mtimes(hessian, by_x)) + ca.mtimes(picked.T, ca.mtimes(ca.diagcat(*curved), picked))

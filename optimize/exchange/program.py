@@ -168,7 +168,8 @@ class Program:
         self._problem = assembled(compiled, space, model, families, room, scenarios, ipopt_options())
         core, self.solver = self._problem.core, self._problem.solver
         self._kinds, self._numbers = self._problem.kinds(space.shapes), self._problem.places(space)
-        self._moving = self._problem.moving(space.shapes)
+        self.moving = self._problem.moving(space.shapes)
+        """Which rows which numbers move: (2, M), rows above numbers."""
         self._links = [of_link[shape] for of_link, shape in zip(self._problem.links, space.shapes, strict=True)]
         self._limits = {name: block.limits for name, block in core.blocks.items()}
         self._place: dict[str, slice] = {}
@@ -188,12 +189,12 @@ class Program:
         self._limits["links"] = []
         for link, (functions, height) in enumerate(zip(self._links, self._problem.heights, strict=True)):
             self._limits["links"] += functions.limits
-            own = len(functions.limits)
-            self._of_links += range(start, start + own)
-            for number, text in enumerate(functions.labels, start=start + own):
+            held = len(functions.limits)
+            self._of_links += range(start, start + held)
+            for number, text in enumerate(functions.labels, start=start + held):
                 self._shapes[f"link {link + 1}: {text}"] = number
             # Other shapes have rows that this one has not.
-            self._upper[start + own + len(functions.labels) : start + height] = np.inf
+            self._upper[start + held + len(functions.labels) : start + height] = np.inf
             start += height
 
     def mass_cost_reach(self, x: Array, materials: Array) -> tuple[float, float, float]:
@@ -293,7 +294,7 @@ class Program:
     def _settled(self, fixed: NDArray[np.bool_]) -> NDArray[np.bool_]:
         """Which rows no number moves that is free: those that depend on the fixed ones alone."""
         settled = np.ones(len(self._lower), dtype=bool)
-        rows, numbers = self._moving
+        rows, numbers = self.moving
         settled[rows[~fixed[numbers]]] = False
         return settled
 

@@ -76,6 +76,11 @@ def test_derivatives_are_those_of_the_values(tmp_path: Path, name: str) -> None:
         jacobian, upper = np.array(jac_g(x, p)[1]), np.array(hess_l(x, p, 0.7, prices))
         hessian = upper + np.triu(upper, 1).T
         assert np.allclose(jacobian, by_difference(rows, x), rtol=1e-5, atol=1e-6 * np.abs(jacobian).max())
+        # What the shapes of a combination move, not what any shape of the problem would: a rod has no walls.
+        moved = np.zeros(jacobian.shape, dtype=bool)
+        moved[tuple(program.moving)] = True
+        assert np.array_equal(moved.any(axis=1), jacobian.any(axis=1))
+        assert not jacobian[~moved].any()
         assert np.allclose(hessian, by_difference(slope, x), rtol=1e-4, atol=1e-6 * np.abs(hessian).max())
 
 
