@@ -44,7 +44,7 @@ def answer(
         return "The logs hold too little motion: no joint moves for three seconds above 0.03 rad/s."
     if not named and unknown is None:
         return "Nothing is missing that these logs show: no cause is beyond chance and foretells other motion."
-    sentences = _lacking(named, per_joint, rivals, beyond, with_own, together) if named else []
+    sentences = _lacking(named, per_joint, beyond, with_own, together) if named else []
     if unknown is not None:
         joints = _and([str(joint) for joint in unknown.joints])
         names = [name.replace("_", " ") for name in unknown.depends_on]
@@ -78,7 +78,6 @@ def _first(
 def _lacking(
     named: Sequence[MotionFinding],
     per_joint: Sequence[OfJoint],
-    rivals: Rivals | None,
     beyond: Sequence[float],
     with_own: float | None,
     together: Sequence[float],
@@ -94,9 +93,8 @@ def _lacking(
     else:
         sentences.append(f"The model lacks {_and([_short(each) for _, each in shown])}{rest}.")
     before = float(np.sqrt(np.nanmean([each.before**2 for each in per_joint])))
-    of_named = None if rivals is None else rivals.of("named")
-    held = of_named.held_out if of_named else float(np.sqrt(np.nanmean([each.held_out**2 for each in per_joint])))
-    left = held if with_own is None else with_own
+    held_out = float(np.sqrt(np.nanmean([each.held_out**2 for each in per_joint])))
+    left = held_out if with_own is None else with_own
     sentences.append(f"{left:.3g} of {before:.3g} N*m is left on motion that was not fitted.")
     if any(item.recording for item in named):
         sentences.append(nothing_else(beyond))
