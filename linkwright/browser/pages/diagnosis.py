@@ -20,7 +20,7 @@ from linkwright.core.units.quantities import InputError, NoAnswer, read_number
 from linkwright.core.units.reading import yaml_line
 
 from .asking import Asking
-from .frame import Problem, dropped_or_chosen, framed, heading, panel, row, sides, stack
+from .frame import Problem, dropped_or_chosen, explained, framed, panel, row, sides, stack
 
 _ENDINGS = (".csv", ".txt", ".tsv", ".dat", ".parquet", ".pq", ".xlsx")
 
@@ -70,11 +70,9 @@ class DiagnosisPage(Asking):
 
     def _explain(self) -> None:
         """What a recording is, while there is none."""
-        heading("What a recording is")
-        ui.label("A table of poses, measured or logged. Its columns may have any names.").classes("lw-note")
-        for what, columns in _KINDS:
-            ui.label(what).classes("lw-done")
-            ui.label(columns).classes("lw-note")
+        explained(
+            "What a recording is", _KINDS, "A table of poses, measured or logged. Its columns may have any names."
+        )
         self._example = ui.button("Try a simulated recording of this arm", on_click=self._simulated)
         self._example.props("outline dense no-caps").classes("self-start")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import asyncio
 from abc import abstractmethod
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from types import MappingProxyType
 from typing import Any
 
@@ -13,7 +13,7 @@ from nicegui import ui
 import linkwright as lw
 from linkwright.browser.pages.asking import Asking
 from linkwright.browser.pages.edit.file_choice import FileChoice
-from linkwright.browser.pages.frame import Problem, framed, panel, picture, row, sides
+from linkwright.browser.pages.frame import Problem, explained, framed, panel, picture, row, sides
 from linkwright.browser.pages.pose_view import PoseView
 from linkwright.browser.server.answers import Desk
 from linkwright.browser.server.asked import Asked
@@ -34,10 +34,17 @@ class EditedPage(Asking):
                 self._choice = FileChoice(desk, kind, self._check)
             with right:
                 self._problem = Problem()
+                with panel() as self._beginning:
+                    explained("Where to begin", self._beginnings())
                 with panel() as self._known:
                     self._line = ui.label().classes("lw-done")
                     self._asked()
+                self._known.visible = False  # until a file is read
                 self._answers()
+
+    @abstractmethod
+    def _beginnings(self) -> Sequence[tuple[str, str]]:
+        """What a folder without such a file begins with, each with what it is."""
 
     @abstractmethod
     def _asked(self) -> None:
@@ -70,6 +77,7 @@ class EditedPage(Asking):
 
     async def _check(self) -> None:
         await self._compare()
+        self._beginning.visible = False
         wrong, read = None, None
         try:
             read = await asyncio.to_thread(self._read, *self._now())
@@ -99,6 +107,12 @@ class ArmPage(EditedPage):
     def __init__(self, desk: Desk) -> None:
         super().__init__(desk, "evaluate", "arm", "Arm", "Edit an arm, look at it, and ask for its worst error.")
 
+    def _beginnings(self) -> Sequence[tuple[str, str]]:
+        return (
+            ("Add the examples", "An arm of two joints, and a problem that asks for its best links."),
+            ("New arm", "A copy of an arm that is shipped (two joints to six), or a URDF of your own."),
+        )
+
     def _asked(self) -> None:
         self._arm: Any = None
         self._view = PoseView()
@@ -122,6 +136,12 @@ class ProblemPage(EditedPage):
 
     def __init__(self, desk: Desk, asks: str, title: str, lead: str) -> None:
         super().__init__(desk, asks, "problem", title, lead)
+
+    def _beginnings(self) -> Sequence[tuple[str, str]]:
+        return (
+            ("Add the examples", "An arm of two joints, and a problem that asks for its best links."),
+            ("Your own problem", f"A file beside its arm in {self._desk.folder.root}."),
+        )
 
     def _asked(self) -> None:
         self._picture = picture()

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Generator, Mapping
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import contextmanager
 from importlib.resources import files
 from types import MappingProxyType
@@ -79,6 +79,16 @@ def heading(text: str, level: int = 2) -> ui.label:
     made = ui.label(text)
     made.tag = f"h{level}"
     return made
+
+
+def explained(title: str, kinds: Sequence[tuple[str, str]], lead: str = "") -> None:
+    """What a page begins with, while it has nothing to show: kinds of it, each with what it is."""
+    heading(title)
+    if lead:
+        ui.label(lead).classes("lw-note")
+    for kind, words in kinds:
+        ui.label(kind).classes("lw-done")
+        ui.label(words).classes("lw-note")
 
 
 def stack() -> ui.element:

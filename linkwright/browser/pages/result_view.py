@@ -93,7 +93,9 @@ async def _show(desk: Desk, result: Kept, answer: Answer) -> None:
     except InputError as error:
         wrong.append(str(error))
     with panel():
-        ui.label(result.line).classes("lw-done")
+        ui.label(result.head).classes("lw-done")
+        if result.rest:
+            ui.label(result.rest)
         ui.label(_origin(result)).classes("lw-note")
         with row():
             for name in (name for name in names if "/" not in name and name not in _OWN):

@@ -84,8 +84,8 @@ class ResultsPage:
             ui.label(result.made).classes("lw-note")
             ui.label(noun(result.kind) if result.complete else f"{noun(result.kind)} (stopped)").classes("lw-note")
             with ui.element("p").classes("lw-found"):
-                ui.link(result.name or result.line, f"/results/{result.id}")
-                for more in (result.line if result.name else "", result.note, result.title):
+                ui.link(result.name or result.head, f"/results/{result.id}")
+                for more in (result.head if result.name else "", result.note, result.title):
                     if more:
                         ui.label(more).classes("lw-note")
             with ui.element("div").classes("lw-buttons"):

@@ -61,6 +61,11 @@ _WHAT_TO_DO: Mapping[int, str] = MappingProxyType(
 """By SQLite's result code; with any other the file itself is wrong (https://www.sqlite.org/rescode.html)."""
 
 
+_SENTENCE_END = re.compile(r"(?<=\.) (?=[A-Z])")
+_HEADING = 160
+"""Characters of a heading."""
+
+
 @dataclass(frozen=True)
 class Kept:
     """A result that is kept: when it was `made` (UTC), of which kind, from what (`title`), the result (`line`),
@@ -75,6 +80,21 @@ class Kept:
     seconds: float
     name: str = ""
     note: str = ""
+
+    @property
+    def head(self) -> str:
+        """The first sentences of the result, as many as a heading has room for."""
+        head, *rest = _SENTENCE_END.split(self.line)
+        for sentence in rest:
+            if len(head) + len(sentence) > _HEADING:
+                break
+            head = f"{head} {sentence}"
+        return head
+
+    @property
+    def rest(self) -> str:
+        """The sentences of the result that follow its head."""
+        return self.line[len(self.head) :].strip()
 
 
 @dataclass(frozen=True)

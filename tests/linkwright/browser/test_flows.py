@@ -8,7 +8,7 @@ from playwright.sync_api import TimeoutError as NotSeen
 import linkwright as lw
 from linkwright.browser.server.shelf import Shelf
 
-from .conftest import ROOT
+from .conftest import ROOT, Server
 
 pytestmark = pytest.mark.slow
 
@@ -55,6 +55,23 @@ def test_an_arm_is_edited_drawn_and_evaluated(server, page):
     report = page.frame_locator("iframe")
     report.get_by_role("heading", level=1).wait_for()
     (server.folder / "longer.yaml").unlink()
+
+
+def test_an_empty_folder_says_where_to_begin(page, tmp_path):
+    """Instead of empty boxes; the examples take its place."""
+    empty = Server(tmp_path)
+    try:
+        for question in ("optimise", "tradeoff", ""):
+            page.goto(empty.url + question)
+            page.get_by_role("heading", name="Where to begin").wait_for()
+            assert not page.get_by_role("button", name="Save").is_visible()
+        page.get_by_role("button", name="Add the examples").click()
+        page.get_by_text("reach 900 mm").wait_for()
+        assert page.get_by_role("button", name="Save").is_visible()
+        assert not page.get_by_role("heading", name="Where to begin").is_visible()
+        page.goto("about:blank")
+    finally:
+        empty.end()
 
 
 def test_a_problem_is_optimised_and_reopened(server, page):
@@ -198,7 +215,7 @@ def test_a_dropped_motion_log_is_diagnosed(server, page, tmp_path):
     page.get_by_role("button", name="Diagnose").click()
     page.locator(".lw-answer .lw-done").wait_for()
     report = page.frame_locator("iframe")
-    report.get_by_role("heading", name="four-axis arm: what the model leaves out of the torques").wait_for()
+    report.get_by_role("heading", name="four-axis arm: what the model lacks in the torques").wait_for()
     report.locator(".torques .js-plotly-plot").first.wait_for()
     with page.expect_download() as download:
         page.get_by_role("link", name="arm.yaml", exact=True).click()

@@ -15,7 +15,7 @@ from hypothesis import strategies as st
 
 from linkwright.browser.server.folder import Folder
 from linkwright.browser.server.jobs import Jobs
-from linkwright.browser.server.shelf import Shelf
+from linkwright.browser.server.shelf import Kept, Shelf
 from linkwright.core.units.quantities import InputError
 
 SCRIPT = b"".join(b"%06d." % number for number in range(60_000))
@@ -215,3 +215,13 @@ def test_no_file_is_written_over_unseen(tmp_path):
     assert folder.read("arm.yaml") == "chain: 3\npayload: 4\n"
     folder.write("arm.yaml", "chain: 5\n", whatever=True)
     assert folder.read("arm.yaml") == "chain: 5\n"
+
+
+@given(st.lists(st.from_regex(r"[A-Z][a-z0-9. ]{0,80}mm\.", fullmatch=True), min_size=1, max_size=6))
+def test_a_long_answer_has_a_head(sentences):
+    """Whole sentences, as many as there is room for; the rest follows, and no word is lost."""
+    kept = Kept(1, "", "optimize", "", " ".join(sentences), complete=True, seconds=1.0)
+    assert f"{kept.head} {kept.rest}".strip() == kept.line
+    assert kept.head.endswith("mm.")
+    assert kept.rest == "" or kept.rest[0].isupper()
+    assert len(kept.head) <= max(160, len(sentences[0]))

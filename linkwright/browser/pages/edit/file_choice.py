@@ -150,11 +150,11 @@ class FileChoice:
                 ui.button("New arm", on_click=lambda: self._new.open()).props("outline dense no-caps")
             ui.button("Add the examples", on_click=self._examples).props("outline dense no-caps")
         self._problem = Problem()
-        with panel():
+        with panel() as self._edited:
             self.editor = YamlEditor(kind, self._changed)
             self._unsaved = ui.label("Changes are not saved.").classes("lw-unsaved").props("role=status")
             self._save = SaveRow(desk.folder, "Keep as", "Save", self._text, self._saved)
-        self._unsaved.visible = False
+        self._unsaved.visible = self._edited.visible = False
         if kind == "arm":
             self._new = NewArm(self._begun)
         with ui.dialog().props("persistent") as self._ask, ui.card().classes("lw-dialog"):
@@ -186,8 +186,7 @@ class FileChoice:
     async def _look(self) -> list[str]:
         names = await asyncio.to_thread(self._desk.folder.names, self._kind)
         self._list.set_options(names)
-        hint = 'hint="None yet: add the examples, or write one."'
-        self._list.props(remove="hint") if names else self._list.props(hint)
+        self._list.props(remove="hint") if names else self._list.props(f'hint="The folder has no {self._kind} file."')
         return names
 
     async def _examples(self) -> None:
@@ -227,7 +226,7 @@ class FileChoice:
         """Edit a text under a file's name; `there` is what the file holds, where that is another one."""
         self._save.opened = (name, text if there is None else there)
         self._save.name = name
-        self.editor.load(name, text)
+        self._show(name, text)
         self._list.value = name if name in cast(list[str], self._list.options) else None
         await self._changed()
 
@@ -240,9 +239,13 @@ class FileChoice:
         self._list.value = None
         self._save.opened = ("", "")
         self._save.name = next(item for item in free if item not in names)
-        self.editor.load(self._save.name, text)
+        self._show(self._save.name, text)
         await self._changed()
         return True
+
+    def _show(self, name: str, text: str) -> None:
+        self._edited.visible = True  # without a text it is an empty box
+        self.editor.load(name, text)
 
     async def _changed(self) -> None:
         self._tell()
