@@ -1,4 +1,4 @@
-"""Design robot arms for the least worst-case position error, and diagnose what a model of a real arm leaves out.
+"""Design robot arms for the least worst-case position error, and diagnose what a model of a real arm lacks.
 
 `import linkwright as lw` and ask: `lw.evaluate`, `lw.optimize`, `lw.diagnose`, ... Every name is loaded when it is
 first used, so the import alone costs nothing. Quantities are text with a unit (`"400 mm"`) or numbers in SI.

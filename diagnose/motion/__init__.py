@@ -1,1 +1,1 @@
-"""Motion logs: what a model leaves out of the torques of a moving arm."""
+"""Motion logs: what a model lacks in the torques of a moving arm."""

@@ -1,4 +1,4 @@
-"""The diagnosis of motion logs: what a model leaves out of the torques of a moving arm."""
+"""The diagnosis of motion logs: what a model lacks in the torques of a moving arm."""
 
 from __future__ import annotations
 
@@ -76,7 +76,7 @@ class _Left:
 def diagnose_motion(
     arm: Arm, logs: Sequence[MotionLog], options: Options | None = None, progress: Progress | None = None
 ) -> MotionDiagnosis:
-    """What a model leaves out of the torques in motion logs.
+    """What a model lacks in the torques of motion logs.
 
     Args:
         arm: The model; what its `effects` hold already counts.

@@ -29,7 +29,7 @@ class Alternative:
 
 @dataclass(frozen=True)
 class MotionFinding:
-    """Physics that the model leaves out of the torques: effect, joints or links (from 1), parameters with intervals.
+    """Physics that the model lacks in the torques: effect, joints or links (from 1), parameters with intervals.
 
     `rms_explained` (n,) N*m is the RMS of what it adds at each joint; `evidence` (nats) how much likelier the logs are
     with it than without, choice and sizes paid for; `rms_without_held_out` (n,) N*m what held-out motion leaves where

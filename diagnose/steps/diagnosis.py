@@ -67,7 +67,7 @@ class _SoFar:
 def diagnose(
     arm: Arm, recording: Recording, options: Options | None = None, progress: Progress | None = None
 ) -> Diagnosis:
-    """What an arm's model leaves out, by a recording of the real arm, or by several of them (`Several`) at once.
+    """What an arm's model lacks, by a recording of the real arm, or by several of them (`Several`) at once.
 
     Raises `arm.bodies.beams.PropertyNeeded` and the materials' errors where the model lacks a figure that it needs.
     """
@@ -95,7 +95,7 @@ def diagnose(
 
 
 def _diagnosed(arm: Arm, recording: Recording, options: Options, hear: Progress) -> Diagnosis:
-    """What an arm's model leaves out, its free transforms about where they stand."""
+    """What an arm's model lacks, its free transforms about where they stand."""
     began, tell = time.perf_counter(), _SoFar(hear)
     tell("estimating the noise floor", 0.0)
     rules = options.rules

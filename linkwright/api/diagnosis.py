@@ -1,4 +1,4 @@
-"""Diagnosis: what recordings of a real arm say that its model leaves out, what changed, and what to do against it."""
+"""Diagnosis: what recordings of a real arm say that its model lacks, what changed, and what to do against it."""
 
 from collections.abc import Collection, Iterable, Sequence
 from pathlib import Path
@@ -54,7 +54,7 @@ def diagnose(
     rollout: Annotated[bool, Option()] = False,
     progress: Progress | None = None,
 ) -> "Diagnosis | MotionDiagnosis":
-    """What the model of an arm leaves out, by recordings of the real one: where, what, how sure, and what to do.
+    """What the model of an arm lacks, by recordings of the real one: where, what, how sure, and what to do.
 
     A motion log (a clock, joint coordinates, torques, currents or voltages) says what the drives' torques lack.
 

@@ -1,4 +1,4 @@
-"""Diagnosis for programs: what a recording says that a model leaves out, and what changed between two recordings."""
+"""Diagnosis for programs: what a recording says that a model lacks, and what changed between two recordings."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class Diagnosis(Reported):
-    """What a recording says that an arm's model leaves out; `found` holds everything in SI.
+    """What a recording says that an arm's model lacks; `found` holds everything in SI.
 
     `redesign` is a design problem solved with it, where one was asked for; it is saved with the rest.
     """

@@ -1,1 +1,1 @@
-"""Motion logs for programs: what a model leaves out of the torques of a moving arm."""
+"""Motion logs for programs: what a model lacks in the torques of a moving arm."""

@@ -1,4 +1,4 @@
-"""Diagnosis of motion logs for programs: what a model leaves out of the torques of a moving arm."""
+"""Diagnosis of motion logs for programs: what a model lacks in the torques of a moving arm."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ if TYPE_CHECKING:
 
 @dataclass(frozen=True, repr=False)
 class MotionDiagnosis(Reported):
-    """What motion logs say that an arm's model leaves out of the drives' torques; `found` holds everything in SI.
+    """What motion logs say that an arm's model lacks in the drives' torques; `found` holds everything in SI.
 
     RMS figures are N*m (of slides N); without a joint they are of all joints together.
     """

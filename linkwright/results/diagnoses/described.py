@@ -99,7 +99,7 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
         _notes(diagnosis),
         section("What was asked", settings(_asked(diagnosis)), detail=True),
     ]
-    title = f"{diagnosis.arm.name}: what the model leaves out"
+    title = f"{diagnosis.arm.name}: what the model lacks"
     held = tuple(item for item in items if item is not None)
     return Description(title, answer(diagnosis), held, _brief(diagnosis), without=_WITHOUT)
 

@@ -86,7 +86,7 @@ def describe(diagnosis: MotionDiagnosis) -> Description:
         _notes(diagnosis),
         section("What was asked", settings(_asked(diagnosis)), detail=True),
     ]
-    title = f"{diagnosis.arm.name}: what the model leaves out of the torques"
+    title = f"{diagnosis.arm.name}: what the model lacks in the torques"
     held = tuple(item for item in items if item is not None)
     return Description(title, answer(diagnosis), held, brief(diagnosis), without=_WITHOUT)
 

@@ -19,7 +19,7 @@ from tests.diagnose.recorded import planar_arm
 
 @pytest.mark.parametrize("space", [False, True])
 def test_every_candidate_may_go_first(space):
-    """Sizes, shares of what the model leaves out, and forms outside the library."""
+    """Sizes, shares of what the model lacks, and forms outside the library."""
     arm = made_arm(space)
     recording = recorded(arm)
     namer = Namer(

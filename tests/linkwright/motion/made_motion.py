@@ -110,7 +110,7 @@ def made_motion(verdict="named", arm=None, **changed):
         arm=arm,
         logs=(log,),
         verdict=verdict,
-        sentence="Friction is what the model leaves out." if named else "Nothing is missing.",
+        sentence="Friction is what the model lacks." if named else "Nothing is missing.",
         per_joint=tuple(joints),
         findings=findings if named else (),
         unknown=unknown,
