@@ -74,7 +74,7 @@ from linkwright.core.arm.effects.thermal.thermal_expansion import THERMAL_EXPANS
 
 from . import traits
 from .effect import Disc, Effect, Interval, Parameter, Settings, Twist, kind_at
-from .registry import EFFECTS
+from .registry import EFFECTS, parameter_title
 from .traits import Readings
 
 EFFECTS.ship(
@@ -155,5 +155,6 @@ __all__ = [
     "Settings",
     "Twist",
     "kind_at",
+    "parameter_title",
     "traits",
 ]

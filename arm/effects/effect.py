@@ -109,6 +109,7 @@ class Parameter:
     sizes. An `optional` size is tried as zero too. A `whole` shape is a whole number and stays on its grid; `default`
     is what a shape is where an entry does not name it. Other than zero a size or shape `requires` these conditions of
     a recording, beside those of its effect. A size that leaves the plane of a planar arm is `out_of_plane`.
+    People read its `label`, where the name says too little.
 
     >>> import linkwright as lw
     >>> lw.Parameter("amplitude", "angle", "amplitude", -1e-2, 1e-2, (1e-5, 1e-3), "encoder makers", role="size").role
@@ -133,6 +134,12 @@ class Parameter:
     default: float = 0.0
     requires: tuple[Condition, ...] = ()
     out_of_plane: bool = False
+    label: str = ""
+
+    @property
+    def title(self) -> str:
+        """How tables and sentences call it."""
+        return self.label or self.name.replace("_", " ")
 
     def means(self, meaning: str, source: str) -> Parameter:
         """The parameter with what it means, and where its usual values are from, in words."""

@@ -12,3 +12,10 @@ def _fault(entry: object) -> str | None:
 
 
 EFFECTS: Registry[Effect] = Registry("effect", "linkwright.effects", lambda effect: effect.id, _fault)
+
+
+def parameter_title(effect: str, parameter: str) -> str:
+    """How tables and sentences call a parameter of the effect of an id, or of what is no effect (an event's, say)."""
+    known = EFFECTS[effect].parameters if effect in EFFECTS else ()
+    titles = {item.name: item.title for item in known}
+    return titles.get(parameter, parameter.replace("_", " "))

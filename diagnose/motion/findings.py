@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects import EFFECTS, parameter_title
 from linkwright.core.arm.effects.effect import Effect, kind_at
 from linkwright.core.diagnose.result import FittedParameter
 from linkwright.core.diagnose.rules.rules import Rules
@@ -233,7 +233,8 @@ def finding_of_group(
     most = int(np.argmax(explained))
     name = name_of(group.effect.title, group.effect.place, group.at)
     name = f"In {recording} alone, {name[:1].lower()}{name[1:]}" if recording else name
-    text = f"{name}: {sized(parameters)}{less(parameters)}. RMS {explained[most]:.3g} N*m at joint {most + 1}."
+    size = f"{sized(group.effect.id, parameters)}{less(parameters)}"
+    text = f"{name}: {size}. RMS {explained[most]:.3g} N*m at joint {most + 1}."
     text += f" The logs cannot tell it from {or_else(alike)}." if alike else ""
     figures = tuple(explained.tolist()), tuple(without.tolist())
     return MotionFinding(group.effect.id, group.at, parameters, alike, *figures, evidence, p_value, text, recording)
@@ -269,9 +270,9 @@ def name_of(title: str, place: str, at: Sequence[int]) -> str:
     return f"{title} at {kind}{'s' if len(at) > 1 else ''} {listed}"
 
 
-def sized(parameters: Sequence[FittedParameter], *, named: bool = True) -> str:
-    """Sizes in words, at most three of them, with or without their names."""
+def sized(effect: str, parameters: Sequence[FittedParameter], *, named: bool = True) -> str:
+    """Sizes of an effect in words, at most three of them, with or without their names."""
     sizes = [format_quantity(parameter.value, parameter.kind, digits=3) for parameter in parameters[:3]]
-    names = [parameter.parameter.replace("_", " ") if named else "" for parameter in parameters[:3]]
+    names = [parameter_title(effect, parameter.parameter) if named else "" for parameter in parameters[:3]]
     texts = [f"{name} {size}".strip() for name, size in zip(names, sizes, strict=True)]
     return ", ".join(texts) + (", ..." if len(parameters) > 3 else "")

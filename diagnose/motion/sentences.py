@@ -112,10 +112,11 @@ def since_words(change: Change) -> str:
     """Since when torques follow another model, and which effect explains it."""
     effect, (low, high), end = EFFECTS[change.effect], change.start.interval, change.end
     name = name_of(effect.title, effect.place, change.at)
+    size = sized(change.effect, change.parameters)
     then = "From then on" if end is None else f"Until {end.time:.4g} s"
     return (
         f"Something changed at {change.start.time:.4g} s (95 % interval {low:.4g} to {high:.4g} s). "
-        f"{then}, {name} ({sized(change.parameters)} more) explains {100.0 * change.share:.0f} % of what is left."
+        f"{then}, {name} ({size} more) explains {100.0 * change.share:.0f} % of what is left."
     )
 
 
@@ -123,7 +124,7 @@ def event_words(event: Event) -> str:
     """When an event begins and ends, where, and how much."""
     begin, end = event.change.start.time, event.change.end
     when = f"from {begin:.4g} s on" if end is None else f"from {begin:.4g} to {end.time:.4g} s"
-    size = sized(event.change.parameters[:1])
+    size = sized(event.change.effect, event.change.parameters[:1])
     if not event.links:
         return f"{event.kind.capitalize()} {when}: {size}."
     most = max(range(len(event.change.torque)), key=lambda joint: event.change.torque[joint])
@@ -161,9 +162,9 @@ def _short(findings: Sequence[MotionFinding]) -> str:
     if not all(item.parameters for item in ordered):
         return name
     if len(ordered) == 1:
-        return f"{name} ({sized(ordered[0].parameters[:1])}{less(ordered[0].parameters[:1])})"
+        return f"{name} ({sized(effect.id, ordered[0].parameters[:1])}{less(ordered[0].parameters[:1])})"
     same = len({item.parameters[0].parameter for item in ordered}) == 1
-    return f"{name} ({_and([sized(item.parameters[:1], named=not same) for item in ordered])})"
+    return f"{name} ({_and([sized(effect.id, item.parameters[:1], named=not same) for item in ordered])})"
 
 
 def _and(items: Sequence[str]) -> str:

@@ -34,7 +34,7 @@ TORQUE_CURVE = drive_effect(
     "A. Munawar & G. S. Fischer, IEEE Robotics and Automation Letters 4 (2019) 3657-3664, "
     "doi:10.1109/LRA.2019.2927947",
     parameters=tuple(
-        torque(f"torque_{angle}", "torque", -1e4, 1e4, (0.05, 5.0)).means(
+        torque(f"torque_{angle}", "torque", -1e4, 1e4, (0.05, 5.0), label=f"torque at {angle} deg").means(
             f"torque that the drive gives at {angle} deg", "cable packages: 0.1 to 10 N*m"
         )
         for angle in _ANGLES

@@ -8,7 +8,7 @@ from collections.abc import Sequence
 from types import MappingProxyType
 from typing import Protocol
 
-from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects import EFFECTS, parameter_title
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import (
     HALF,
@@ -158,11 +158,11 @@ def next_pose_words(each: NextPose) -> tuple[str, str]:
     return payload, side
 
 
-def parameter_title(fitted: FittedParameter, effect: str) -> str:
+def parameter_meaning(fitted: FittedParameter, effect: str) -> str:
     """A parameter's meaning and where it acts."""
     known = EFFECTS[effect].parameters if effect in EFFECTS else ()
-    name = fitted.parameter.replace("_", " ")
-    meaning = next((item.meaning for item in known if item.name == fitted.parameter), name)
+    plain = parameter_title(effect, fitted.parameter)
+    meaning = next((item.meaning for item in known if item.name == fitted.parameter), plain)
     place = place_words(effect, fitted.at)
     return f"{meaning}, {place}" if place else meaning
 
@@ -177,9 +177,9 @@ def parameter_rows(finding: Fitted, name: str, rest: Sequence[Cell]) -> list[lis
     rows: list[list[Cell]] = []
     for index, fitted in enumerate(parameters):
         place = place_words(finding.effect, fitted.at) if fitted.at != finding.at else ""
-        title = f"{fitted.parameter.replace('_', ' ')} {place}".strip()
+        title = f"{parameter_title(finding.effect, fitted.parameter)} {place}".strip()
         shown = Value(f"{value(fitted).text} (at its bound)") if fitted.at_bound else value(fitted)
-        first: list[Cell] = ["" if index else name, title, parameter_title(fitted, finding.effect)]
+        first: list[Cell] = ["" if index else name, title, parameter_meaning(fitted, finding.effect)]
         rows.append([*first, shown, interval(fitted), *(blank if index else rest)])
     return [*rows, ["", further, "", "", "", *blank]] if further else rows
 
