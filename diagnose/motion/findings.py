@@ -27,6 +27,9 @@ from .model.products import Products
 from .model.ripple import Ripple
 from .result import Alternative, MotionFinding
 
+_NOTHING = 1e-3
+"""Share of a joint's noise below which what a name explains in the file is nothing."""
+
 
 def findings(
     identified: Identified, sizes: Estimates, judge: Judged, arm: Arm, *, rules: Rules
@@ -70,7 +73,12 @@ def findings(
                 ),
             )
         )
-    return tuple(replace(made[place], small=place in needed_.small) for place in needed_.order)
+    least = _NOTHING * identified.noise.sigma
+    return tuple(
+        replace(made[place], small=place in needed_.small)
+        for place in needed_.order
+        if np.greater(made[place].rms_explained, least).any()  # at its bound the file holds none of it
+    )
 
 
 def finding_of(effect: Effect, ripple: Ripple, held: Array) -> MotionFinding:

@@ -89,6 +89,7 @@ NO_RULES = {
     "instruments/view.py": {"_STEPS, _START_STEPS, _START_ROWS", "_BETTER", "_FOUND"},
     "judge/for_file.py": {"_USUAL"},  # the width of a prior
     "motion/causes/swinging.py": {"_POSTURES"},
+    "motion/findings.py": {"_NOTHING"},  # rounding
     "motion/judged.py": {"_SETTLED", "_STEPS"},
     "motion/events/changed.py": {"SURE", "_PARTS", "_ROUNDS"},  # a normal distribution's; how a search goes
     "motion/events/found.py": {"_DRAWS", "_FELT", "_MOST", "_PARTS", "_ROUNDS"},
