@@ -278,8 +278,10 @@ def _result(
     named = tuple(sorted(every, key=lambda item: item.small))
     small = {(item.effect, item.at) for item in named if item.small}
     together = tuple(judge.added_by(small, identified.pool).tolist())
-    unexplained = {*_misleading(named, left), *_open_joints(per_joint, seen, identified, heard, rules)}
-    unknown = unknown_of(sorted(unexplained), seen, per_joint)
+    far = _far_from_floor(named, left, identified.torque, rules)
+    unexplained = {*_misleading(named, left), *far, *_open_joints(per_joint, seen, identified, heard, rules)}
+    stays = {joint: float(left.of_named[joint - 1]) for joint in far}
+    unknown = unknown_of(sorted(unexplained), seen, per_joint, stays)
     change = None if unknown is None else change_of(identified, rules=rules)
     if unknown is not None and change is not None:
         unknown = since(unknown, change)
@@ -364,6 +366,15 @@ def _misleading(named: Sequence[MotionFinding], left: _Left) -> list[int]:
     """The joints (from 1) at which what is named foretells no other motion, and so is not what is there."""
     claimed = np.sqrt(sum((np.square(item.rms_explained) for item in named), np.zeros(len(left.before))))
     return (np.flatnonzero((claimed > 0.5 * left.before) & (left.of_named > left.before)) + 1).tolist()
+
+
+def _far_from_floor(named: Sequence[MotionFinding], left: _Left, torque: Array, rules: Rules) -> list[int]:
+    """The joints (from 1) at which the names leave far more of other motion than the whole library leaves: a few names
+    are not what is there, and many together say nothing."""
+    if not named:
+        return []
+    most = np.maximum(rules.motion.above_noise * left.floor, rules.motion.filters * torque)
+    return (np.flatnonzero(left.of_named > most) + 1).tolist()
 
 
 def _heard(prepared: Sequence[PreparedLog]) -> Array:

@@ -108,13 +108,14 @@ class Event:
 @dataclass(frozen=True)
 class MotionUnknown:
     """Structure that nothing in the library explains: at which joints (from 1), on what it depends, its RMS (N*m) at
-    the worst of them, its shape in words, and which log would decide; `change` where it begins within a log."""
+    the `worst` of them, its shape in words, and which log would decide; `change` where it begins within a log."""
 
     joints: tuple[int, ...]
     depends_on: tuple[str, ...]
     amplitude: float
     shape: str
     decide: str
+    worst: int
     change: Change | None = None
 
 

@@ -48,9 +48,10 @@ def answer(
     if unknown is not None:
         joints = _and([str(joint) for joint in unknown.joints])
         names = [name.replace("_", " ") for name in unknown.depends_on]
+        at_most = "up to " if len(unknown.joints) > 1 else ""
         on = f", which depends on {_and(names)}" if names else ""
         sentences.append(
-            f"At joint {joints} stays {unknown.amplitude:.3g} N*m that nothing in the library explains{on}."
+            f"At joint {joints} stays {at_most}{unknown.amplitude:.3g} N*m that nothing in the library explains{on}."
         )
         if unknown.change is not None:
             sentences.append(since_words(unknown.change))

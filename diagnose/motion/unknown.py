@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -130,16 +131,23 @@ def depends(structures: Sequence[Structure]) -> tuple[str, ...]:
 
 
 def unknown_of(
-    joints: Sequence[int], structures: Sequence[Structure], per_joint: Sequence[OfJoint]
+    joints: Sequence[int],
+    structures: Sequence[Structure],
+    per_joint: Sequence[OfJoint],
+    stays: Mapping[int, float] = MappingProxyType({}),
 ) -> MotionUnknown | None:
-    """What stays unknown at some joints (from 1); None where there are none."""
+    """What stays unknown at some joints (from 1); None where there are none. Of some joints it is known what `stays`
+    (N*m), of the others it is what depends on something of what the whole library leaves."""
     if not joints:
         return None
-    worst = max(joints, key=lambda joint: per_joint[joint - 1].floor * _share(structures[joint - 1]) ** 0.5)
-    amplitude = per_joint[worst - 1].floor * min(_share(structures[worst - 1]), 1.0) ** 0.5
+    sizes = {
+        joint: stays.get(joint, per_joint[joint - 1].floor * min(_share(structures[joint - 1]), 1.0) ** 0.5)
+        for joint in joints
+    }
+    worst = max(joints, key=lambda joint: sizes[joint])
     names = depends([structures[joint - 1] for joint in joints])
     shape = f"changes with {names[0].replace('_', ' ')}" if names else "no pattern over angle, speed, load or time"
-    return MotionUnknown(tuple(joints), names, amplitude, shape, _decides(names))
+    return MotionUnknown(tuple(joints), names, sizes[worst], shape, _decides(names), worst)
 
 
 def since(unknown: MotionUnknown, change: Change) -> MotionUnknown:

@@ -55,7 +55,7 @@ def _unexplained(diagnosis: MotionDiagnosis) -> tuple[str, str]:
     unknown = diagnosis.unknown
     if unknown is None:
         return "", ""
-    joint = unknown.joints[0]
+    joint = unknown.worst
     more = f" and {len(unknown.joints) - 1} more" if len(unknown.joints) > 1 else ""
     open_at = f"{torque(unknown.amplitude, torque_unit(diagnosis.arm, joint)).text} at joint {joint}{more}"
     if unknown.change is not None:

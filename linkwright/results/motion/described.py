@@ -270,7 +270,7 @@ def _rest(diagnosis: MotionDiagnosis, finding: MotionFinding) -> list[Cell]:
 
 def _unknown(diagnosis: MotionDiagnosis, unknown: MotionUnknown) -> Section:
     """What nothing in the library explains."""
-    worst = unknown.joints[0]
+    worst = unknown.worst
     joints = f"joint{'s' if len(unknown.joints) > 1 else ''} {listed([str(joint) for joint in unknown.joints])}"
     amplitude = torque(unknown.amplitude, torque_unit(diagnosis.arm, worst)).text
     text = f"Not explained, at {joints}: {unknown.shape}. RMS {amplitude} at joint {worst}."

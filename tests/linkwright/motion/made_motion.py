@@ -98,7 +98,9 @@ def made_motion(verdict="named", arm=None, **changed):
         findings = (replace(findings[0], alternatives=others), *findings[1:])
     unknown = None
     if verdict == "unknown":
-        unknown = MotionUnknown((3,), ("q3", "speed"), 0.9, "a bump near 20 degrees", "turn joint 3 slowly both ways")
+        unknown = MotionUnknown(
+            (3,), ("q3", "speed"), 0.9, "a bump near 20 degrees", "turn joint 3 slowly both ways", 3
+        )
     joints = [OfJoint(k + 1, rms[k], left[k], left[k], 0.2, left[k] / rms[k], (), 0.4) for k in range(3)]
     if unknown is not None:
         joints[2] = replace(joints[2], depends_on=unknown.depends_on, p_unknown=0.002)
