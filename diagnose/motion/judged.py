@@ -37,6 +37,8 @@ _STEPS = 12
 """Times that a model is linearised about the arm as it would be written, at most."""
 _SETTLED = 1e-3
 """Of the noise, by how much a last step may still change torques."""
+_WORSE = 2.0
+"""Times the least that a step has left so far, which no step may leave."""
 
 
 @dataclass(frozen=True)
@@ -217,13 +219,17 @@ def _settled(
     written = completed(arm, groups, _parts(groups, numbers), more)
     rows = _about(identified, written, spread @ numbers) if given is None else given
     alone = [Member(number, member.scale) for number, member in enumerate(members)]
+    least = np.inf
     for _ in range(_STEPS if members else 0):
         better = feasible(_system(identified, rows.fit, members), alone).numbers * usual
         if (rows.fit.explained(spread @ (better - numbers)) * np.sqrt(weights) < _SETTLED).all():
             break
-        numbers = better
-        written = completed(arm, groups, _parts(groups, numbers), more)
-        rows = _about(identified, written, spread @ numbers)
+        corrected = completed(arm, groups, _parts(groups, better), more)
+        about_it = _about(identified, corrected, spread @ better)
+        left = float((about_it.fit.left(spread @ better).sum(axis=0) * weights).sum())
+        if not left < _WORSE * least:  # its numbers run away, as they can where torque constants follow the weights
+            break
+        numbers, written, rows, least = better, corrected, about_it, min(least, left)
     return _filed(identified, rows, members, written, numbers, spread @ numbers, more)
 
 

@@ -75,7 +75,8 @@ def feasible(system: System, members: Sequence[Member]) -> Feasible:
     links = _links(system, members, len(best))
     numbers, inner = best, system.gram[np.ix_(at, at)] + np.diag(system.precision(members))
     if not within:
-        factor = np.linalg.cholesky(inner).T
+        values, vectors = np.linalg.eigh(inner)  # of a log without noise it is singular but for rounding
+        factor = np.sqrt(np.maximum(values, _ROUNDING**2 * values[-1]))[:, None] * vectors.T
         numbers = np.asarray(lsq_linear(factor, factor @ best, (lower, upper)).x, dtype=float)
     hidden = sum(link.by.shape[1] for link in links[:1]) - len(best) if links else 0
     if not all(is_body(link.pseudo(np.append(numbers, np.zeros(hidden)))) for link in links):

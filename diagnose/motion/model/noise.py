@@ -44,9 +44,11 @@ def noise(pool: Candidates, products: Products) -> Noise:
         weights = 1.0 / (sigma**2 * repeats)
         gram, against, _ = products.whole(weights)
         inverse = covariance(gram, usual)
-        sizes = usual * (inverse @ (against * usual))
-        left = products.left(sizes)
-        used = _used(products, inverse, usual, weights)
+        fitted = usual * (inverse @ (against * usual))
+        left = products.left(fitted)
+        if left.sum(axis=0) @ weights > powers @ weights:  # worse than no sizes, as only rounding makes it: no noise
+            break
+        sizes, used = fitted, _used(products, inverse, usual, weights)
         sigma = np.maximum(np.sqrt(left.sum(axis=0) / np.maximum(rows - used, 0.5 * rows)), floor)
         taken = products.blocks / np.maximum(products.blocks - used / 10.0, 0.3 * products.blocks)
         repeats = np.maximum(taken * _scatter(products, sizes, sigma), 1.0)
