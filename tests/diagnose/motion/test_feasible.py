@@ -61,6 +61,18 @@ def test_the_likeliest_within_bounds_is_that_of_a_general_search(seed, size):
     assert free.worse == 0.0
 
 
+def test_a_log_without_noise_is_held_to_bounds_too():
+    """Columns that are alike but for rounding, weighed by hardly any noise: their prior is lost beside them."""
+    rng = np.random.default_rng(3)
+    factor = 1e7 * rng.normal(size=(40, 3)) @ rng.normal(size=(3, 6))
+    with pytest.raises(np.linalg.LinAlgError):
+        np.linalg.cholesky(factor.T @ factor + np.eye(6) / SCALE**2)
+    made = system(factor, factor @ np.full(6, 0.8), [(-0.5, 0.5)] * 6)
+    numbers = feasible(made, [Member(number, SCALE) for number in range(6)]).numbers
+    assert np.abs(numbers).max() <= 0.5
+    assert np.linalg.norm(factor @ (numbers - 0.8)) < np.linalg.norm(factor @ np.full(6, 0.8))
+
+
 def of_bodies(factor, target, had):
     """A set of whole links, ten numbers each, with what the arm file has of them `had` (L, 10)."""
     groups = tuple(
