@@ -41,7 +41,7 @@ from .rollout.rollout import rollout
 from .sentences import answer, event_words, verdict_of
 from .unknown import Structure, since, structure, unknown_of, variables
 from .uses.traces import traces_of
-from .weighed import weighed
+from .weighed import as_the_constants, load_words, weighed
 
 _HELD_OUT = "Held out are the sizes: they were fitted to the rest of the motion. Names were chosen by all of it."
 """What figures on motion that was not fitted rest on."""
@@ -275,6 +275,7 @@ def _result(
         *findings(identified, sizes, judge, arm, rules=rules),
         *(finding_of(effect, item, left.held_out) for effect, item in swift),
     )
+    every = (as_the_constants(item, logs, rules) for item in every)
     named = tuple(sorted(every, key=lambda item: item.small))
     small = {(item.effect, item.at) for item in named if item.small}
     together = tuple(judge.added_by(small, identified.pool).tolist())
@@ -295,6 +296,7 @@ def _result(
             [
                 *map(event_words, events),
                 answer(verdict, named, unknown, per_joint, judge.rivals, different.beyond, with_own, together),
+                *load_words(named, logs),
             ]
         ),
         per_joint=per_joint,
