@@ -181,7 +181,7 @@ def _with_loads(drives: Sequence[_Drive], loads: Array, numbers: Sequence[int]) 
     def missed(some: Array) -> Array:
         return np.concatenate([drive.missed(of(some)) for drive in drives])
 
-    signals = block_diag(*(drive.current[:, None] for drive in drives))
+    signals = np.asarray(block_diag(*(drive.current[:, None] for drive in drives)), dtype=float)
     weights = np.concatenate([drive.weights(known) for drive in drives])
     bodies = np.concatenate([drive.load[:, numbers].reshape(len(drive.load), -1) for drive in drives])
     begun = np.linalg.lstsq(np.hstack((signals, -bodies)), weights, rcond=None)[0][len(drives) :]
@@ -204,14 +204,16 @@ def _rows(log: PreparedLog, joint: int) -> Array:
 
 
 def as_the_constants(finding: MotionFinding, logs: Sequence[MotionLog], rules: Rules) -> MotionFinding:
-    """A finding with intervals of a load that hold what a factor of all constants by weights would change; those of
-    what one log has of its own leave room for all masses as it is."""
-    if finding.effect != PAYLOAD.id or finding.recording or not any(log.weighed for log in logs):
+    """A finding with intervals of a load that hold what a factor of all masses, and of constants by weights with them,
+    would change."""
+    if finding.effect != PAYLOAD.id or not any(log.weighed for log in logs):
         return finding
+    # What one log has of its own was told beside masses and constants that are both nearly right. Of a factor of the
+    # masses, which these are as likely to hold, half of the square is in its interval already.
+    share = SURE * rules.motion.scaled * (math.sqrt(HALF) if finding.recording else 1.0)
 
     def wider(item: FittedParameter) -> FittedParameter:
-        factor = SURE * rules.motion.scaled * abs(item.value)
-        low, high = (math.hypot(end - item.value, factor) for end in item.interval)
+        low, high = (math.hypot(end - item.value, share * item.value) for end in item.interval)
         return replace(item, interval=(item.value - low, item.value + high))
 
     return replace(finding, parameters=tuple(map(wider, finding.parameters)))
