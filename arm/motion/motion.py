@@ -34,6 +34,8 @@ class Motion:
         temperature: (N,) K; None where it was not logged.
         sampled: How much of the rates of change the samples tell: 1 of a motion sampled densely, 0 of poses of which
             nobody knows how the arm went from one to the next.
+        beyond_drive: Whether `q` is of encoders on the joint's side, behind a drive that gives; else of the motor's.
+        rotors: (n,) kg*m^2 (kg for slides), inertia of the drives' rotors as far as the arm has none; None: nothing.
     """
 
     arm: Arm
@@ -47,6 +49,8 @@ class Motion:
     payload_mass: Array | None = None
     temperature: Array | None = None
     sampled: float = 1.0
+    beyond_drive: bool = False
+    rotors: Array | None = None
     _kept: dict[str, Any] = field(default_factory=dict[str, Any], init=False, repr=False, compare=False)
 
     @property

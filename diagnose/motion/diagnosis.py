@@ -19,7 +19,7 @@ from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
 from .causes.curves import curves_left
-from .causes.swinging import eigenfrequency_notes
+from .causes.swinging import eigenfrequency_notes, with_rotors
 from .corrected import entry_of
 from .differing import Differing, differing, differing_findings, squares_of
 from .each_log import of_log
@@ -43,6 +43,8 @@ from .unknown import Structure, since, structure, unknown_of, variables
 from .uses.traces import traces_of
 from .weighed import as_the_constants, load_words, weighed
 
+_ROTORS = 2
+"""Times that rotors are told by the whole library, beside what they showed of drives that give."""
 _HELD_OUT = "Held out are the sizes: they were fitted to the rest of the motion. Names were chosen by all of it."
 """What figures on motion that was not fitted rest on."""
 _ALONE = (
@@ -123,6 +125,10 @@ def diagnosed(
     scans = scanned(effects)
     tell("fitting ripple by order", 0.35)
     heard = noise(pool, products(joint_rows(rows), pool.width, near=False))
+    for _ in range(_ROTORS if any(log.beyond_drive for log in logs) else 0):
+        pool, prepared = with_rotors(arm, effects, pool, prepared, masses, heard.sizes, rules=rules)
+        rows = [log_rows(each, pool, rules=rules) for each in prepared]
+        heard = noise(pool, products(joint_rows(rows), pool.width, near=False))
     event = next_event(arm, pool, rows, heard, events, rules=rules)
     if event is not None:
         return diagnosed(arm, set_aside(whole, rows, event), options, progress, (*events, event))

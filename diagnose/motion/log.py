@@ -47,6 +47,7 @@ class MotionLog:
         joint_side: (N, n) coordinates of a second encoder, None alike.
         temperature: (N,) K, None alike.
         payload_mass: (N,) kg, None alike.
+        beyond_drive: Whether `q` is of encoders on the joint's side, behind the drive that gives; else of the motor's.
         drive: What `torque` stems from.
         torque_constants_free: Whether nobody knows the torque constants: `torque` is then the signal as it stands (A,
             V), and every torque is known but for one factor a joint, which a diagnosis finds.
@@ -74,6 +75,7 @@ class MotionLog:
     joint_side: Array | None = None
     temperature: Array | None = None
     payload_mass: Array | None = None
+    beyond_drive: bool = False
     drive: Signal = TORQUE
     torque_constants_free: bool = False
     loop: tuple[float, ...] | None = None

@@ -185,6 +185,7 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
         None if payload is None else payload[:, 0],
         None if temperature is None else temperature[:, 0],
         sampled,
+        log.beyond_drive,
     )
     edges = np.cumsum([0, *(len(t) for t in clock)])
     stretches = tuple(Stretch(int(a), int(b)) for a, b in pairwise(edges))

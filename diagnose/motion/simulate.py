@@ -72,4 +72,5 @@ def simulate_motion(
         joint_side=motion.joint_side,
         temperature=motion.temperature,
         payload_mass=motion.payload_mass,
+        beyond_drive=motion.beyond_drive,
     )

@@ -64,6 +64,8 @@ def settings_text(log: MotionLog) -> str:
         lines.append("torque_constants: free")
     if log.torque_constants_free and log.drive is DISTANCE:
         lines.append("servo: {gain: free}")
+    if log.beyond_drive:
+        lines.append("encoders: joint")
     if log.cutoff is not None:
         lines.append(f"filter: {{cutoff: {log.cutoff:g} Hz}}")
     if log.date:

@@ -1,4 +1,5 @@
-"""What recording.yaml says of a motion log: `observes: motion`, servo, torque constants, gear ratios, filter, sigma."""
+"""What recording.yaml says of a motion log: `observes: motion`, servo, torque constants, gear ratios,
+encoders, filter, sigma."""
 
 from __future__ import annotations
 
@@ -9,7 +10,7 @@ from typing import cast
 from linkwright.core.units.quantities import InputError, read_quantity, shown
 from linkwright.core.units.reading import Mapping
 
-_KEYS = ("torque_constants", "gear_ratios", "filter", "servo")
+_KEYS = ("torque_constants", "gear_ratios", "filter", "servo", "encoders")
 """Settings that only motion logs have."""
 _CONSTANTS = ("torque_constant", "torque_per_voltage")
 
@@ -42,6 +43,7 @@ class MotionSettings:
         cutoff: Hz, of the low-pass on torques and model; None: chosen from the data.
         sigma: (n,) N*m (N), standard deviations of the torques, one for all joints or one for each; None: not declared.
         servo: The loops of drives of which goals alone were logged; None where nothing is said of them.
+        beyond_drive: Whether coordinates are of encoders on the joint's side, behind the drive that gives.
     """
 
     torque_constants: tuple[float, ...] | None = None
@@ -50,6 +52,7 @@ class MotionSettings:
     cutoff: float | None = None
     sigma: tuple[float, ...] | None = None
     servo: Servo | None = None
+    beyond_drive: bool = False
 
 
 def read_motion_settings(mapping: Mapping) -> MotionSettings | None:
@@ -73,6 +76,7 @@ def read_motion_settings(mapping: Mapping) -> MotionSettings | None:
         cutoff=cutoff,
         sigma=_each_joint(mapping, "sigma", "torque"),
         servo=_servo(mapping),
+        beyond_drive=mapping.choice("encoders", ("motor", "joint"), "motor") == "joint",
     )
 
 

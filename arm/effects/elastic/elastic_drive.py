@@ -6,6 +6,10 @@ that its spring and damper hold: tau_load(theta - d) = K d + D d'. With complian
     d = c x,  x + T x' = tau_load(theta - c x, theta' - c x', theta'' - c x'')
 
 The motor gives its own rotor's torque and friction by theta, and tau_load beside them.
+
+Where the encoder sits on the joint's side it reads where the link stands, and tau_load is the rigid arm's. The motor
+goes ahead by d, x + T x' = tau_load, and takes J d'' for its rotor and F d' for its viscous friction: of a drive whose
+rotor and friction nobody says, nothing shows.
 """
 
 from __future__ import annotations
@@ -18,7 +22,9 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.vectors import ZERO
-from linkwright.core.arm.effects.effect import Settings
+from linkwright.core.arm.effects.drives.armature import ARMATURE
+from linkwright.core.arm.effects.effect import Effect, Settings
+from linkwright.core.arm.effects.friction.friction_viscous import FRICTION_VISCOUS
 from linkwright.core.arm.effects.loads.inertial import OfInertia
 from linkwright.core.arm.effects.registry import EFFECTS
 from linkwright.core.arm.motion.motion import Motion
@@ -72,7 +78,11 @@ class OfElasticDrive:
     def usual(self, motion: Motion, joint: int) -> float:
         """The compliance on which the arm swings at 10 Hz in the midst of a motion."""
         here = motion.q[motion.size // 2 : motion.size // 2 + 1]
-        return float(1.0 / (inertia_about(motion.arm, here, joint)[0] * (2.0 * np.pi * _USUAL) ** 2))
+        inertia = inertia_about(motion.arm, here, joint)[0]
+        if motion.beyond_drive:  # on a spring beside its link, a rotor swings as fast as both
+            rotor = _rotor(motion, joint)
+            inertia = rotor * inertia / (rotor + inertia) if rotor > 0.0 else inertia
+        return float(1.0 / (inertia * (2.0 * np.pi * _USUAL) ** 2))
 
     def _joints(self, motion: Motion, settings: Settings) -> list[int]:
         return [index for index in range(motion.arm.size) if settings.acts_at(index) and _has_drive(motion.arm, index)]
@@ -85,6 +95,18 @@ def _has_drive(arm: Arm, joint: int) -> bool:
 def _by_joint(arm: Arm, torque: Array) -> dict[int, Array]:
     """The columns of torques (N, n) that are those of drives, and not zero."""
     return {joint: column for joint, column in enumerate(torque.T) if column.any() and _has_drive(arm, joint)}
+
+
+def _said(arm: Arm, joint: int, effect: Effect, size: str) -> float:
+    """A size that an arm has of an effect at a joint (from 0)."""
+    entries = (entry for entry in arm.effects if entry.effect == effect.id and joint + 1 in (entry.at or (joint + 1,)))
+    return sum(entry.parameters.get(size, 0.0) for entry in entries)
+
+
+def _rotor(motion: Motion, joint: int) -> float:
+    """The inertia of a drive's rotor: the arm's, else the motion's."""
+    said = _said(motion.arm, joint, ARMATURE, "inertia")
+    return said if said or motion.rotors is None else float(motion.rotors[joint])
 
 
 def _named(settings: Settings) -> float | None:
@@ -138,6 +160,12 @@ class _Drive:
         """What the joint feels of all beyond it (N,)."""
         return inertia_about(self.motion.arm, self.motion.q, self.joint, self.arm.parameters)
 
+    def ahead(self, load: Array, late: float) -> Array:
+        """What a motor takes (N,) for going ahead of its link under a load (N,), of a unit of compliance."""
+        rate, rate_of_rate = _rates(self.motion, _swing(self.motion, np.zeros(self.motion.size), late, load))
+        rubs = _said(self.motion.arm, self.joint, FRICTION_VISCOUS, "coefficient")
+        return _rotor(self.motion, self.joint) * rate_of_rate + rubs * rate
+
     def rigid(self, behind: Array, rate: Array, rate_of_rate: Array) -> Array:
         """The torques (N, n) where the joint stands behind by so much (N,)."""
         motion = self.motion
@@ -153,6 +181,9 @@ class _Drive:
         if compliance == 0.0 or self.motion.size < 6:
             return np.zeros(self.motion.q.shape)
         load = self.arm.load[:, self.joint]
+        if self.motion.beyond_drive:
+            alone = np.eye(self.motion.arm.size)[self.joint]
+            return np.asarray(compliance * self.ahead(load, late)[:, None] * alone, dtype=float)
         swings = compliance > _STEP * _LEAST
         inertia = compliance * self.inertia if swings else np.zeros(self.motion.size)
         behind, left, moved = np.zeros(self.motion.size), load, self.arm.torque

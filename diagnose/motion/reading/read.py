@@ -230,6 +230,7 @@ def _assembled(
         joint_side=each_joint("j", "second encoders"),
         temperature=one("temperature"),
         payload_mass=payload,
+        beyond_drive=motion.beyond_drive,
         drive=drives.signal,
         torque_constants_free=drives.free,
         loop=drives.loop,

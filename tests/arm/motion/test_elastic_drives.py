@@ -80,3 +80,54 @@ def test_the_files_stiffness_counts_and_what_effects_add_comes_on_top():
     rigid = replace(stiff, arm=replace(stiff.arm, leave_out=frozenset({"joint_compliance"})))
     np.testing.assert_allclose(model_torque(rigid), inverse_dynamics(MOTION), rtol=0, atol=1e-9)
     assert np.abs(model_torque(stiff) - model_torque(rigid)).max() > 0.01
+
+
+ROTOR = 0.4
+
+
+def two_masses(stiffness, damping):
+    """Angles, speeds and accelerations of a rotor and of the rod that it drags along, as a loop's torque (N,) makes the
+    rotor follow `motor`, by the equations of both."""
+
+    def rates(time, state):
+        of_rotor, v, q, w = state
+        gear = stiffness * (of_rotor - q) + damping * (v - w)
+        torque = 900.0 * (motor(time) - of_rotor) + 60.0 * (motor(time, 1) - v)
+        return v, (torque - gear) / ROTOR, w, (gear - MASS * GRAVITY * CENTRE * np.cos(q)) / INERTIA, torque
+
+    start = (motor(0.0), motor(0.0, 1), motor(0.0), motor(0.0, 1))
+    way = solve_ivp(lambda t, s: rates(t, s)[:4], (0.0, TIME[-1]), start, t_eval=TIME, rtol=1e-9, atol=1e-10).y
+    of_rotor, v, q, w = way
+    _, a, _, b, torque = rates(TIME, way)
+    return (
+        Motion(ROD, TIME, *(item[:, None] for item in (of_rotor, v, a))),
+        Motion(ROD, TIME, *(item[:, None] for item in (q, w, b)), beyond_drive=True),
+        torque,
+    )
+
+
+def left_by(motion, entries, torque):
+    """The RMS of what a rod with these effects leaves of a torque, once how it began has died away."""
+    rod = replace(motion, arm=replace(ROD, effects=entries))
+    return np.std((torque - model_torque(rod)[:, 0])[600:-20])
+
+
+@pytest.mark.parametrize("frequency", [2.5, 4.0])
+def test_the_encoder_sits_on_either_side_of_a_drive_that_gives(frequency):
+    """By the rotor's angle and by the rod's the torque is the same, and the other side's is far off."""
+    stiffness = INERTIA * (2.0 * np.pi * frequency) ** 2
+    damping = 0.3 * np.sqrt(stiffness * INERTIA)
+    values = {"compliance": 1.0 / stiffness, "retardation": damping / stiffness}
+    entries = (EffectEntry("armature", (1,), {"inertia": ROTOR}), EffectEntry("joint_compliance", (1,), values))
+    of_rotor, of_rod, torque = two_masses(stiffness, damping)
+    for motion in (of_rotor, of_rod):
+        other = replace(motion, beyond_drive=not motion.beyond_drive)
+        assert left_by(motion, entries, torque) < 0.05 * left_by(other, entries, torque)
+    rubs = EffectEntry("friction_viscous", (1,), {"coefficient": 5.0})
+    with_friction = torque + 5.0 * of_rotor.velocity[:, 0]
+    assert left_by(of_rod, (*entries, rubs), with_friction) < 0.05 * left_by(of_rod, (entries[0], rubs), with_friction)
+
+
+def test_beyond_a_drive_nothing_shows_without_a_rotor():
+    values = {"compliance": 1e-3}
+    assert EFFECTS["joint_compliance"].torques(replace(TURNING, beyond_drive=True), Settings((0,), values)) == {}

@@ -9,6 +9,7 @@ import pytest
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.diagnose.motion.log import CURRENT
 from linkwright.core.diagnose.motion.reading.read import is_motion_log, read_log
+from linkwright.core.diagnose.motion.written import settings_text
 from linkwright.core.units.quantities import InputError
 
 
@@ -96,6 +97,13 @@ def test_gear_ratios_say_that_torques_are_of_the_motor(tmp_path):
     assert log.torque[:, 0] == pytest.approx(columns["tau1_Nm"], rel=1e-6)
 
 
+def test_encoders_sit_on_the_motors_side_unless_settings_say_else(tmp_path):
+    for side, beyond in (("", False), ("encoders: motor\n", False), ("encoders: joint\n", True)):
+        log = read_log(written(tmp_path, moving(), f"observes: motion\n{side}"), two_joints())
+        assert log.beyond_drive == beyond
+        assert ("encoders: joint\n" in settings_text(log)) == beyond
+
+
 def test_settings_of_a_motion_log(tmp_path):
     settings = "observes: motion\nfilter: {cutoff: 8 Hz}\nsigma: [0.5 N*m, 0.2]\nunit: serial 7\ndate: 2026-05-16\n"
     log = read_log(written(tmp_path, moving(), settings), two_joints())
@@ -111,6 +119,7 @@ def test_settings_of_a_motion_log(tmp_path):
         ("observes: motion\ngear_ratios: [100, 100, 50]\n", "has 3 numbers"),
         ("observes: motion\nfilter: {cutof: 8 Hz}\n", "cutoff"),
         ("observes: along\ndirection: [0, 0, 1]\ngear_ratios: [100]\n", "goes with `observes: motion`"),
+        ("observes: motion\nencoders: links\n", "encoders"),
         ("observes: motion\ntorque_constants: []\n", "is an empty list"),
     ],
 )
