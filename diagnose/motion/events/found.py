@@ -152,7 +152,7 @@ def _push(
     likely = [step for step in steps if step.gain > HALF * likeliest.gain]
     alone, start, end = roughly(logs, number, logs.fitted(motion, (likeliest,)))
     items = [placed(logs.rows[number], alone, step, start, end) for step in likely]
-    best = max(items, key=lambda item: item.step.gain)
+    best = _likeliest(items, rules)
     if best.step.group.effect is not PUSH or best.step.gain <= np.log(len(steps)) + rules.search.margin:
         return None
     made = settled_at(logs.rows[number], alone, best, rules=rules)
@@ -169,6 +169,17 @@ def _push(
     short = end is not None and end.time - change.start.time < rules.motion.collision
     joints = tuple(int(joint) + 1 for joint in loaded)
     return Event("collision" if short else "contact", change, joints, tuple(links))
+
+
+def _likeliest(items: Sequence[Placed], rules: Rules) -> Placed:
+    """The likeliest of what may have acted for a while. Of a push and a load that are as likely it is the push where
+    the load would be taken for less time than any load that is looked for."""
+    best = max(items, key=lambda item: item.step.gain)
+    if best.step.group.effect is not PAYLOAD or best.end is None or best.end.time - best.start.time > STRETCH:
+        return best
+    alike = (item for item in items if item.step.gain > best.step.gain - rules.search.refuted_odds)
+    pushes = (item for item in alike if item.step.group.effect is PUSH)
+    return max(pushes, key=lambda item: item.step.gain, default=best)
 
 
 def _force(alike: Sequence[Placed], at: tuple[int, ...]) -> tuple[FittedParameter, ...]:

@@ -76,6 +76,16 @@ def test_how_hard_a_collision_is(tmp_path, seed, span):
         assert instant.time == pytest.approx(true, abs=SHORT)
 
 
+@pytest.mark.parametrize(
+    ("seed", "force", "span"), [(3, (120.0, -90.0), (7.0, 7.1)), (36, (60.0, 81.0), (22.9, 23.03))]
+)
+def test_what_acts_for_a_tenth_of_a_second_is_no_load(tmp_path, seed, force, span):
+    """A mass that is taken for as long has more numbers, and may explain as much."""
+    (event,) = diagnosed(tmp_path, seed, push(np.array(force), span)).events
+    assert (event.kind, event.links) == ("collision", (2,))
+    assert event.change.start.time == pytest.approx(span[0], abs=STEP)
+
+
 @pytest.mark.parametrize("seed", [5, 6, 7])
 def test_rough_friction_is_no_event(tmp_path, seed):
     """Friction of any kind is of the joints."""
