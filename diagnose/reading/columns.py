@@ -79,14 +79,19 @@ _PER_SECOND = MappingProxyType({"radps": "rad_s", "degps": "deg_s", "mps": "m_s"
 _IN_BRACKETS = re.compile(r"(.+?)[ _]*[\[(]\s*(.+?)\s*[\])]")
 _APART = re.compile(r"((?:temperature[ _]link|[a-z]+)[ _]?[0-9]*)[ _]+(.+)", re.IGNORECASE)
 _NUMBERED = re.compile(r"([a-z_]+?)[ _]?([0-9]+)")
+DEGREES = (
+    *("degree", "degrees", "grad", "grados", "grado", "gradi", "degrés", "degré", "degres", "graus", "grau"),
+    *("stopnie", "stopni", "graden", "stupně", "stupňů", "stupne", "grader"),
+)
+"""What an angle's unit is called in several languages, in small letters."""
 _UNITS = MappingProxyType(
     {
         **{suffix.lower(): suffix for suffixes in _SUFFIXES.values() for suffix in suffixes},
-        **dict.fromkeys(("°", "º", "degree", "degrees"), "deg"),
-        **dict.fromkeys(("radian", "radians"), "rad"),
+        **dict.fromkeys(("°", "º", *DEGREES), "deg"),
+        **dict.fromkeys(("radian", "radians", "radianes", "radianti", "radianos", "radiany", "radianer"), "rad"),
         **dict.fromkeys(("°c", "ºc", "deg c", "celsius"), "degC"),
         **dict.fromkeys(("µm", "μm", "micron", "microns"), "um"),
-        **dict.fromkeys(("sec", "second", "seconds"), "s"),
+        **dict.fromkeys(("sec", "seg", "sek", "second", "seconds"), "s"),
         **dict.fromkeys(("n*m", "n·m", "n m", "n.m"), "Nm"),
     }
 )

@@ -14,7 +14,9 @@ from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, shown
 
 from .columns import ColumnMeaning, UnitMissing, meaning_of, of_kind, otherwise_spelled
+from .foreign.clock import has_stamps, iso_stamp
 from .foreign.header_units import alone_in_unit
+from .foreign.mapped import plain_headers, taken_for_ours
 from .formula import Formula, read_condition, read_formula
 from .read_column import ReadColumn
 from .settings import ReadingSettings
@@ -24,7 +26,7 @@ _KNOWN = ("time_s", "payload_kg", "temperature_degC", "x_mm", "y_mm", "z_mm", "b
 _KNOWN_JOINT = ("q{}_deg", "q{}_mm", "dir{}", "c{}_deg", "j{}_deg", "v{}_deg_s", "a{}_deg_s2", "tau{}_Nm")
 _LARGEST = 1e12
 """In SI; seconds since 1970 count to 2e9."""
-PROPOSES = " (`linkwright columns FILE --arm ARM` proposes it)"
+PROPOSES = " (`linkwright columns FILE --arm ARM --out recording.yaml` proposes it)"
 
 
 def chosen_rows(table: Table, held: ReadingSettings) -> tuple[Table, list[str]]:
@@ -54,16 +56,23 @@ def named_columns(
             naming.used.add(text)
         else:
             naming.by_formula(header, text)
+    foreign = plain_headers(table, arm, held) if held.motion is None else {}
+    foreign = {header: item for header, item in foreign.items() if header not in naming.used}
+    naming.mapped |= bool(foreign)
+    if foreign:
+        naming.warnings.append(taken_for_ours(list(foreign.values())))
+    known = {*naming.columns, *(item.what for item in foreign.values())}
     asked = alone_in_unit(table.names)
-    naming.asked = {header: f"{what}_{unit}" for what, (header, unit) in asked.items() if what not in naming.columns}
+    naming.asked = {header: f"{what}_{unit}" for what, (header, unit) in asked.items() if what not in known}
     spelled = {header: ours for header, ours in _spelled(table, held, arm).items() if header not in naming.used}
     if spelled:
         pairs = ", ".join(f"{shown(header)} as {ours}" for header, ours in spelled.items())
         naming.warnings.append(f"Headers that are written otherwise are read as ours: {pairs}.")
     for header in table.names:
         if header not in held.ignore and header not in labels:
-            naming.by_header(header, spelled.get(header, header))
-    aside = [header for header in naming.strangers if held.columns and header not in naming.asked]
+            ours = foreign[header].ours if header in foreign else spelled.get(header, header)
+            naming.by_header(header, ours)
+    aside = [header for header in naming.strangers if naming.mapped and header not in naming.asked]
     if aside:
         naming.warnings.append(f"No columns that are known here: {', '.join(aside)}. They are kept as they are.")
     strangers = {name: values for name, values in naming.strangers.items() if np.isfinite(values).any()}
@@ -72,14 +81,15 @@ def named_columns(
 
 class _Naming:
     """Our columns as they are named, one after the other; of `used` columns of the file nothing is said, and `asked`
-    says what a stranger may be by its unit."""
+    says what a stranger may be by its unit. `mapped`: columns have names that are not ours, so that strangers are no
+    slips of spelling."""
 
     def __init__(self, table: Table, held: ReadingSettings, arm: Arm) -> None:
         self.table, self.held, self.arm = table, held, arm
         self.columns: dict[str, ReadColumn] = {}
         self.strangers: dict[str, Array] = {}
         self.warnings: list[str] = []
-        self.used, self.asked = set(held.ignore), dict[str, str]()
+        self.used, self.asked, self.mapped = set(held.ignore), dict[str, str](), bool(held.columns)
 
     def by_formula(self, header: str, text: str) -> None:
         """A column of ours that the settings give. Raises `InputError`."""
@@ -125,7 +135,7 @@ class _Naming:
 
     def _stranger(self, header: str) -> None:
         self.strangers[header] = measurable(self.table.numbers(header))
-        if self.held.columns and header not in self.asked:
+        if self.mapped and header not in self.asked:
             return
         hint = nearest(header, _known_headers(self.arm))
         meant = hint if hint.startswith("; did") else ". It is kept as it is."
@@ -215,15 +225,6 @@ def _time_format(table: Table, column: str, held: ReadingSettings) -> str | None
     return "iso" if has_stamps(table, column) else None
 
 
-def has_stamps(table: Table, column: str) -> bool:
-    """Whether the cells of a column are time stamps by ISO 8601, and no numbers."""
-    if np.isfinite(table.numbers(column)).any():
-        return False
-    texts = (table.text(column, index) for index in range(len(table.row)))
-    first = next((text for text in texts if text), "")
-    return _stamp(first, "iso") is not None
-
-
 def _stamps(
     table: Table, column: str, header: str, meaning: ColumnMeaning, form: str, held: ReadingSettings
 ) -> ReadColumn:
@@ -249,9 +250,9 @@ def _stamps(
 
 
 def _stamp(text: str, form: str) -> datetime.datetime | None:
-    if form == "unix":
-        return None
+    if form in ("iso", "unix"):
+        return iso_stamp(text) if form == "iso" else None
     try:
-        return datetime.datetime.fromisoformat(text) if form == "iso" else datetime.datetime.strptime(text, form)
+        return datetime.datetime.strptime(text, form)
     except ValueError:
         return None

@@ -18,6 +18,7 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.reading.columns import canonical, example_headers, of_kind
 from linkwright.core.diagnose.reading.files import read_table
+from linkwright.core.diagnose.reading.foreign.mapped import with_foreign
 from linkwright.core.diagnose.reading.foreign.proposal import proposed
 from linkwright.core.diagnose.reading.motion_settings import MotionSettings
 from linkwright.core.diagnose.reading.named_columns import chosen_rows, named_columns
@@ -30,7 +31,6 @@ from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import refusal
 
 from .drives import Drives, drives_of
-from .mapped import with_foreign
 from .samples import checked_samples
 
 _TIP = ("x", "y", "z", "along", "distance", "bar", "tilt")

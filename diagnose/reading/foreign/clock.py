@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import datetime
 import re
 from dataclasses import dataclass
 from itertools import takewhile
@@ -57,7 +58,34 @@ def clock_of(table: Table, beside: str) -> Clock | None:
             unit = counted_in(table.numbers(header))
             if unit is not None:
                 return Clock(header, unit, True, said="by the size of its numbers")
+    stamped = [name for name in table.names if has_stamps(table, name)]
+    if len(stamped) == 1 and _runs(table, stamped[0]):
+        return Clock(stamped[0], "s", False, said="the only column of time stamps")
     return None
+
+
+def _runs(table: Table, header: str) -> bool:
+    """Whether the stamps of a column go on from row to row: a date alone is no clock."""
+    stamps = [iso_stamp(table.text(header, index)) for index in range(len(table.row))]
+    seconds = [stamp.timestamp() for stamp in stamps if stamp is not None]
+    return len(set(seconds)) > len(seconds) / 2 and seconds == sorted(seconds)
+
+
+def has_stamps(table: Table, column: str) -> bool:
+    """Whether the cells of a column are time stamps by ISO 8601, and no numbers."""
+    if np.isfinite(table.numbers(column)).any():
+        return False
+    texts = (table.text(column, index) for index in range(len(table.row)))
+    first = next((text for text in texts if text), "")
+    return iso_stamp(first) is not None
+
+
+def iso_stamp(text: str) -> datetime.datetime | None:
+    """A time stamp by ISO 8601, None for anything else."""
+    try:
+        return datetime.datetime.fromisoformat(text)
+    except ValueError:
+        return None
 
 
 def _alike(header: str, other: str) -> int:

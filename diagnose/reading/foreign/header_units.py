@@ -6,11 +6,12 @@ import re
 from collections.abc import Sequence
 from types import MappingProxyType
 
-from linkwright.core.diagnose.reading.columns import canonical, otherwise_spelled
+from linkwright.core.diagnose.reading.columns import DEGREES, canonical, otherwise_spelled
 
 _IN_BRACKETS = re.compile(r"^(.*?)[\s_]*[\[(]\s*([^\])]*?)\s*[\])]\s*$")
 _AT_END = re.compile(
-    r"^(.*?)[\s_]+(?:in[\s_]+)?(deg|degrees?|rad|radians?|mm|m|um|kg|g|s|sec|min|h|ms|degc|k|n|nm|a|rad/s|deg/s|°|°c)$",
+    r"^(.*?)[\s_]+(?:in[\s_]+)?"
+    rf"(deg|{'|'.join(DEGREES)}|rad|radians?|mm|m|um|kg|g|s|sec|min|h|ms|degc|k|n|nm|a|rad/s|deg/s|°|°c)$",
     re.IGNORECASE,
 )
 _BY_UNIT = MappingProxyType({"payload": ("kg",), "temperature": ("degC",)})

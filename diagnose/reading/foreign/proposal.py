@@ -13,13 +13,12 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.reading.columns import canonical, looks_like_ours, otherwise_spelled, units_for
-from linkwright.core.diagnose.reading.named_columns import has_stamps
 from linkwright.core.diagnose.reading.table import Table
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.reading import yaml_line
 
 from .any_language import joint_columns
-from .clock import clock_of, counted_in
+from .clock import clock_of, counted_in, has_stamps
 from .header_units import alone_in_unit, name_and_unit, unit_of
 from .words import Said, commanded, computed, message_name, said_by, without_names
 
@@ -34,18 +33,24 @@ _PLACE = re.compile(
     r"^(?:tcp|tip|tool|ee|end[\s_-]?effector|pos(?:ition)?|meas(?:ured)?|tracker|laser|point|p)?[\s_.-]*([xyz])$"
 )
 _LETTER = re.compile(
-    r"^(?:.*[\s_.-])?([xyz])(?:[\s_.-]+(?:ist|act|actual|meas|measured|mesur[ée]e?|r[ée]el|medid[oa]|misurat[oa]))?$",
+    r"^(?:.*[\s_.-])?([xyz])(?:[\s_.-]+(?:ist|act|actual|meas|measured|gemessen|mesur[ée]e?|r[ée]el|medid[oa]|"
+    r"misurat[oa]|zmierzon[aey]|gemeten|uppmätt))?$",
     re.IGNORECASE,
 )
 _OF_A_POSE = re.compile(r".*(?:pose|point|transform|target)[./](?:position|translation)?[./]?([xyz])$", re.IGNORECASE)
 _WORDS = MappingProxyType(
     {
-        "payload": re.compile(r"^(payload|load|mass|weight|last|masse|gewicht|charge|carga|carico)([/.]data)?$"),
-        "temperature": re.compile(r"^(temp|temperature|t[\s_-]?amb|ambient)([\s_/.].*)?$"),
+        "payload": re.compile(
+            r"^(payload|load|mass|weight|last|masse|gewicht|traglast|nutzlast|charge|carga|masa|carico|massa|"
+            r"obciążenie|ładunek|belasting|zátěž)([/.]data)?$"
+        ),
+        "temperature": re.compile(r"^(temp|temperature?|température|temperatura|t[\s_-]?amb|ambient)([\s_/.].*)?$"),
         "z": re.compile(r"^(height|höhe|hoehe|hauteur|altura|altezza)$"),
         "time": re.compile(r"^(t|time|timestamp|elapsed|zeit|temps|tiempo|tempo|clock)$"),
     }
 )
+_OF_A_PART = re.compile(r"(?!.*(?:amb|air|room|hall|data))[^\W_]+[\s_/.-].+", re.IGNORECASE)
+"""A temperature that need not be that of the room."""
 _SIDE = re.compile(
     r"^(?:dir|direction|direcci[oó]n|richtung|side|approach)[\s_.-]*(?:joint|axis|achse|j|q)?[\s_.-]*([0-9]{1,2})$"
 )
@@ -61,7 +66,8 @@ _KNOWN_UNITS = MappingProxyType({"KUKA's RSI": "deg"})
 class Meaning:
     """What a column is taken for: one of ours (`q1`, `x`), OTHER or IGNORED; in a unit, `guessed` where its header has
     none. It is `formula` of the file's columns (the header alone where empty) times `factor`, and `zero` added, in its
-    unit; `said` is what people should know of it. `rival` is another column that tells of the same joint as plainly."""
+    unit; `said` is what people should know of it. `rival` is another column that tells of the same joint as plainly.
+    `series`: a guess that rests on a whole series, one for each joint, the only one in its unit or of signs."""
 
     header: str
     what: str
@@ -72,6 +78,12 @@ class Meaning:
     rival: str = ""
     factor: float = 1.0
     zero: float = 0.0
+    series: bool = False
+
+    @property
+    def plain(self) -> bool:
+        """Whether it is one of ours beyond doubt."""
+        return self.named and (self.series or not self.guessed)
 
     @property
     def made_of(self) -> str:
@@ -180,7 +192,8 @@ def _of(header: str, plain: str, table: Table, arm: Arm) -> Meaning:
         return Meaning(header, what, "m", said="m, as ROS has it")
     unit_known = unit_of(what, unit)
     if unit_known in units:
-        return Meaning(header, what, unit_known)
+        part = what == "temperature" and _OF_A_PART.fullmatch(name) is not None
+        return Meaning(header, what, unit_known, guessed=part, said="by its first word" if part else "")
     if what == "time" and has_stamps(table, header):
         return Meaning(header, what, "s", said="time stamps")
     guess = (counted_in(table.numbers(header)) or units[0]) if what == "time" else _guessed(table, header, units)
@@ -211,8 +224,9 @@ def _in_any_language(meanings: Mapping[str, Meaning], table: Table, arm: Arm) ->
     guesses: dict[str, Meaning] = {}
     for header, (what, unit, why) in joint_columns(headers, table, arm, taken).items():
         units = units_of(what, arm)
+        series = bool(unit) or not units
         guesses[header] = Meaning(
-            header, what, unit or (_guessed(table, header, units) if units else ""), True, said=why
+            header, what, unit or (_guessed(table, header, units) if units else ""), True, said=why, series=series
         )
     return guesses
 

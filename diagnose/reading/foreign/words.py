@@ -8,60 +8,84 @@ KUKA's RSI (`AIPos.A1`), MuJoCo's mjdata.h (`qpos`, `qvel`, `qfrc_actuator`), Le
 from __future__ import annotations
 
 import re
+import unicodedata
 from collections.abc import Sequence
 from dataclasses import dataclass
 from types import MappingProxyType
 
 _KINDS = MappingProxyType(
     {
-        "v": frozenset({"velocity", "velocities", "vel", "speed", "speeds", "qd", "dq", "qdot", "qvel", "omega"}),
+        "v": frozenset(
+            {
+                *("velocity", "velocities", "vel", "speed", "speeds", "qd", "dq", "qdot", "qvel", "omega"),
+                *("geschwindigkeit", "velocidad", "velocita", "vitesse", "predkosc", "velocidade", "snelheid"),
+                *("rychlost", "hastighet"),
+            }
+        ),
         "tau": frozenset(
-            {"effort", "efforts", "eff", "torque", "torques", "tau", "moment", "moments", "drehmoment", "qfrc"}
+            {
+                *("effort", "efforts", "eff", "torque", "torques", "tau", "moment", "moments", "drehmoment", "qfrc"),
+                *("par", "coppia", "couple", "koppel", "vridmoment", "binario"),
+            }
         ),
         "a": frozenset({"acceleration", "accelerations", "acc", "accel", "qdd", "ddq", "qacc"}),
         "q": frozenset(
-            {"position", "positions", "pos", "q", "qpos", "angle", "angles", "winkel", "theta", "th", "coordinate"}
+            {
+                *("position", "positions", "pos", "q", "qpos", "angle", "angles", "theta", "th", "coordinate"),
+                *("winkel", "angulo", "angolo", "kat", "hoek", "uhel", "vinkel", "posicion", "posizione", "posicao"),
+                *("pozycja", "positie", "poloha"),
+            }
         ),
-        "current": frozenset({"current", "currents", "strom", "i"}),
+        "current": frozenset(
+            {"current", "currents", "i", "strom", "corriente", "corrente", "courant", "prad", "stroom", "proud"}
+        ),
         "j": frozenset({"secondary", "output", "abs", "absolute"}),
     }
 )
-"""Words by what they say, in the order in which they are believed: a `current position` is a position."""
+"""Words by what they say, as `_words` gives them, in the order in which they are believed: a `current position` is a
+position."""
 _JOINT_WORDS = frozenset(
     {
-        "joint",
-        "joints",
-        "axis",
-        "axes",
-        "achse",
-        "gelenk",
-        "enc",
-        "encoder",
-        "motor",
-        "actuator",
-        "servo",
-        "drive",
-        "robax",
-        "rax",
+        *("joint", "joints", "axis", "axes", "enc", "encoder", "motor", "actuator", "servo", "drive", "robax", "rax"),
+        *("achse", "gelenk"),
     }
 )
-_PLAIN = frozenset(
-    {"actual", "act", "ist", "measured", "meas", "state", "states", "observation", "feedback", "fb", "raw"}
+_JOINTS_ABROAD = frozenset(
+    {
+        *("eje", "articulacion", "asse", "giunto", "axe", "articulation", "os", "przegub", "eixo", "articulacao"),
+        *("junta", "gewricht", "osa", "kloub", "axel"),
+    }
 )
-_FILLING = frozenset({"filtered", "value", "values", "data", "robot", "arm", "field", "j", "a", "as", "present"})
+"""The same in languages of which few other words are known: beside what is not known they leave it to units."""
+_PLAIN = frozenset(
+    {
+        *("actual", "act", "ist", "measured", "meas", "state", "states", "observation", "feedback", "fb", "raw"),
+        *("gemessen", "medido", "medida", "misurato", "misurata", "mesure", "mesuree", "reel", "reelle"),
+        *("zmierzony", "zmierzona", "gemeten", "uppmatt"),
+    }
+)
+_FILLING = frozenset(
+    {
+        *("filtered", "value", "values", "data", "robot", "arm", "field", "j", "a", "as", "present"),
+        *("de", "del", "della", "der", "des", "du", "do", "da", "van"),
+    }
+)
 _COMMANDS = frozenset(
     {
         *("target", "command", "commanded", "cmd", "desired", "reference", "ref", "setpoint", "goal", "action", "d"),
-        *("soll", "consigne", "consigna", "comando", "objetivo", "obiettivo"),
+        *("soll", "consigne", "consigna", "comando", "objetivo", "obiettivo", "zadany", "zadana"),
     }
 )
 _OF_SOMETHING_ELSE = frozenset(
     {
         *("error", "err", "lag", "deviation", "residual", "offset", "limit", "fehler", "abweichung", "grenze"),
-        *("erreur", "écart", "limite", "errore", "scarto", "desviación", "residuo"),
+        *("erreur", "ecart", "limite", "errore", "scarto", "desviacion", "residuo", "blad", "fel", "fout"),
     }
 )
 _WORD = re.compile(r"[A-Z]+(?![a-z])|[A-Z]?[a-z]+|[0-9]+|[^\W\d_]+")
+_LETTERS = str.maketrans({"ł": "l", "Ł": "L", "ø": "o", "Ø": "O"})
+"""Letters that no accent makes."""
+_ELIDED = re.compile(r"\b(?:d|l|dell)['’]", re.IGNORECASE)
 _BY_LABEL = re.compile(r"(?P<of>.+)/(?P<label>[^/]+)/(?P<what>position|velocity|effort)")
 _OF_A_FEATURE = re.compile(
     r"(?:observation\.(?P<feature>[a-z_]+)|action)"
@@ -168,7 +192,7 @@ def without_names(headers: Sequence[str]) -> dict[str, str]:
 
 
 def _known_words() -> frozenset[str]:
-    return frozenset().union(*_KINDS.values()) | _JOINT_WORDS | _PLAIN | _FILLING | _COMMANDS
+    return frozenset().union(*_KINDS.values()) | _JOINT_WORDS | _JOINTS_ABROAD | _PLAIN | _FILLING | _COMMANDS
 
 
 def commanded(header: str) -> bool:
@@ -188,13 +212,13 @@ def _by_words(rest: str, number: int | None, label: str, header: str) -> Said | 
         rest = rest.replace(word, plain)
     path, _, leaf = rest.rpartition("/")
     known = _known_words()
-    listed = [item.lower() for item in _WORD.findall(leaf)]
+    listed = _listed(leaf)
     which = 2 if len(listed) > 1 and listed[0] in ("robot", "arm") and listed[1].isdecimal() else 0
     first = next((place for place, item in enumerate(listed) if place >= which and item in known), len(listed))
     words = frozenset(listed[first:])
     if not words <= known or (first and (number is None or not words & (_KINDS["q"] | _KINDS["v"] | _KINDS["tau"]))):
         return None
-    whole = words & (_JOINT_WORDS | {"state", "action"})
+    whole = words & (_JOINT_WORDS | _JOINTS_ABROAD | {"state", "action"})
     base = _base(words, plain=bool(whole or label) or (bool(words) and words <= {"j", "a"}))
     if base is None:
         return None
@@ -216,7 +240,13 @@ def _number(text: str | None) -> int | None:
 
 
 def _words(text: str) -> frozenset[str]:
-    return frozenset(item.lower() for item in _WORD.findall(text))
+    return frozenset(_listed(text))
+
+
+def _listed(text: str) -> list[str]:
+    """The words of a text in small letters without accents and articles, in its order."""
+    plain = unicodedata.normalize("NFKD", _ELIDED.sub(" ", text.translate(_LETTERS)))
+    return [item.lower() for item in _WORD.findall("".join(c for c in plain if not unicodedata.combining(c)))]
 
 
 def _holds(header: str, name: str) -> bool:

@@ -8,7 +8,8 @@ import pytest
 
 from linkwright.core.diagnose.columns.proposed_file import propose
 from linkwright.core.diagnose.reading.read import read_recording
-from tests.diagnose.reading.test_foreign_files import ANGLES, ARM, TIPS
+from linkwright.core.units.quantities import InputError
+from tests.diagnose.reading.test_foreign_files import ANGLES, ARM, TIPS, text
 
 FRENCH = [
     "N°",
@@ -33,6 +34,17 @@ SPANISH = [
     "X medida [mm]",
     "Y medida [mm]",
 ]
+FINNISH = [
+    "Nro",
+    "Aika (s)",
+    "Akseli 1 (°)",
+    "Akseli 2 (°)",
+    "Suunta 1",
+    "Suunta 2",
+    "Kuorma (kg)",
+    "X (mm)",
+    "Y (mm)",
+]
 OURS = ["q1_deg", "q2_deg", "dir1", "dir2", "payload_kg", "x_mm", "y_mm"]
 
 
@@ -55,13 +67,13 @@ def workbook(folder: Path, header: list[str], extra: tuple[str, ...] = ()) -> Pa
     return folder / "r.xlsx"
 
 
-@pytest.mark.parametrize("header", [FRENCH, POLISH, SPANISH])
+@pytest.mark.parametrize("header", [FRENCH, POLISH, SPANISH, FINNISH])
 def test_a_workbook_of_another_language(tmp_path, header):
     path = workbook(tmp_path, header)
     proposal = propose(path, ARM)
     by_header = {item.header: item for item in proposal.meanings}
     assert [by_header[name].ours for name in header[2:]] == OURS
-    assert all(by_header[name].guessed for name in header[2:4])
+    assert all(by_header[name].guessed == (header is FINNISH) for name in header[2:4])
     (tmp_path / "recording.yaml").write_text(proposal.settings)
     result = read_recording(path, ARM)
     assert result.q == pytest.approx(ANGLES, abs=1e-6)
@@ -71,8 +83,49 @@ def test_a_workbook_of_another_language(tmp_path, header):
 
 def test_two_series_in_degrees_are_no_guess(tmp_path):
     """Which of them was measured nobody says."""
-    path = workbook(tmp_path, POLISH, ("Kąt 1 (°)", "Kąt 2 (°)"))
+    path = workbook(tmp_path, FINNISH, ("Kulma 1 (°)", "Kulma 2 (°)"))
     assert not any(item.what.startswith("q") for item in propose(path, ARM).meanings)
+    with pytest.raises(InputError, match="q1: is missing"):
+        read_recording(path, ARM)
+
+
+@pytest.mark.parametrize(
+    ("word", "unit"),
+    [
+        ("Eje", "(grados)"),
+        ("Articulación", "[grados]"),
+        ("Asse", "[gradi]"),
+        ("Giunto", "(gradi)"),
+        ("Oś", "[stopnie]"),
+        ("Przegub", "(stopnie)"),
+        ("Achse", "(Grad)"),
+        ("Gelenk", "Grad"),
+        ("Axe", "(degrés)"),
+        ("Articulation", "(degrés)"),
+        ("Eixo", "(graus)"),
+        ("Gewricht", "(graden)"),
+        ("Osa", "(stupně)"),
+        ("Axel", "[grader]"),
+        ("Winkel der Achse", "[Grad]"),
+        ("Angle de l'axe", "(degrés)"),
+    ],
+)
+def test_words_for_axes_and_degrees(tmp_path, word, unit):
+    """They are taken without a map, and said; beside them other headers are their columns' own."""
+    headers = f"{word} 1 {unit},{word} 2 {unit},x_mm,y_mm"
+    (tmp_path / "r.csv").write_text(text(",", headers), encoding="utf-8")
+    assert not any(item.guessed for item in propose(tmp_path / "r.csv", ARM).meanings)
+    result = read_recording(tmp_path / "r.csv", ARM)
+    assert result.q == pytest.approx(ANGLES, abs=1e-6)
+    assert f"Headers are taken for ours: {word} 1 {unit} as q1_deg and 1 more alike." in result.warnings
+
+
+def test_a_word_for_axes_beside_others_is_left_to_units(tmp_path):
+    """`Desgaste` is wear, and no coordinate."""
+    lines = text(",").splitlines()
+    rows = [f"{line},1,2" for line in lines[1:]]
+    (tmp_path / "r.csv").write_text("\n".join([f"{lines[0]},Desgaste eje 1 (mm),Desgaste eje 2 (mm)", *rows]))
+    assert [item.what for item in propose(tmp_path / "r.csv", ARM).meanings][4:] == ["other", "other"]
 
 
 def test_commanded_angles_do_not_count(tmp_path):

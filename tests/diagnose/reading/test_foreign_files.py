@@ -75,7 +75,7 @@ def test_layouts_that_are_read(tmp_path: Path, content: str | bytes, settings: s
         (b"\x1f\x8b\x08\x00", "gzip"),
         (text(",").encode("utf-16-le"), "utf-16"),
         (UNREAD, "names"),
-        (text(",", "J1(deg),J2(deg),X(mm),Y(mm)"), "columns: {q1_deg: FORMULA}"),
+        (text(",", "J1,J2,X(mm),Y(mm)"), "columns: {q1_deg: FORMULA}"),
     ],
 )
 def test_what_cannot_be_read_says_what_would_do(tmp_path: Path, content: str | bytes, said: str) -> None:

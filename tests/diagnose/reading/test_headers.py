@@ -1,5 +1,6 @@
 """Headers as people write them, titles above them, and decimal commas: read, or said with what to write."""
 
+import numpy as np
 import pytest
 
 from linkwright.core.diagnose.columns.proposed_file import propose
@@ -183,7 +184,7 @@ def with_columns(*headers):
     return "\n".join([f"{first},{','.join(headers)}", *(f"{row},{item}" for row, item in zip(rows, more, strict=True))])
 
 
-@pytest.mark.parametrize(("load", "warmth"), [("Traglast [kg]", "Motor [°C]"), ("Nutzlast in kg", "bed (degC)")])
+@pytest.mark.parametrize(("load", "warmth"), [("Kuorma [kg]", "Motor [°C]"), ("Kuorma in kg", "bed (degC)")])
 def test_a_unit_that_no_other_column_has_counts_with_the_word(tmp_path, load, warmth):
     """In whatever language, as a guess that says why."""
     (tmp_path / "r.csv").write_text(with_columns(load, warmth, "note"), encoding="utf-8")
@@ -194,14 +195,54 @@ def test_a_unit_that_no_other_column_has_counts_with_the_word(tmp_path, load, wa
 
 
 def test_of_two_columns_in_kg_none_is_the_payload(tmp_path):
-    (tmp_path / "r.csv").write_text(with_columns("Traglast [kg]", "Gestell [kg]"), encoding="utf-8")
+    (tmp_path / "r.csv").write_text(with_columns("Kuorma [kg]", "Jalusta [kg]"), encoding="utf-8")
     assert not any(item.what == "payload" for item in propose(tmp_path / "r.csv", ARM).meanings)
 
 
 def test_a_column_in_kg_is_asked_for(tmp_path):
-    """A recording of a tip takes nothing for granted."""
-    said = read(tmp_path, with_columns("Traglast [kg]")).warnings
-    assert any("Traglast [kg] is no column that is known here. Is it the payload? Write payload_kg" in x for x in said)
+    """A recording of a tip takes no guess for granted."""
+    said = read(tmp_path, with_columns("Kuorma [kg]")).warnings
+    assert any("Kuorma [kg] is no column that is known here. Is it the payload? Write payload_kg" in x for x in said)
+
+
+MAP = "columns: {q1_deg: A 1, q2_deg: A 2}\n"
+
+
+@pytest.mark.parametrize("headers", ["A 1,A 2,X [mm],Y [mm],Carga (kg)", "Carga (kg),A 1,A 2,X [mm],Y [mm]"])
+def test_a_column_that_a_map_leaves_out_is_taken_and_said(tmp_path, headers):
+    """What the map does not say, a header that is plain does."""
+    rows = [f"2.5,{row}" if headers.startswith("C") else f"{row},2.5" for row in text(",").splitlines()[1:]]
+    result = read(tmp_path, "\n".join([headers, *rows]), MAP)
+    assert result.payload_mass == pytest.approx(np.full(30, 2.5))
+    assert "Headers are taken for ours: Carga (kg) as payload_kg." in result.warnings
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        MAP + "ignore: [Carga (kg)]\n",
+        MAP.replace("}", ", payload_kg: 3 + 0*`A 1`}"),
+        MAP.replace("}", ", time_s: Carga (kg)}"),
+    ],
+)
+def test_a_column_that_the_settings_pass_over_or_use_is_not_taken(tmp_path, settings):
+    rows = [f"{row},{2.5 * number}" for number, row in enumerate(text(",").splitlines()[1:])]
+    result = read(tmp_path, "\n".join(["A 1,A 2,X [mm],Y [mm],Carga (kg)", *rows]), settings)
+    assert not any("taken for ours: Carga" in warning for warning in result.warnings)
+    assert result.payload_mass is None or result.payload_mass == pytest.approx(np.full(30, 3.0))
+
+
+def test_our_header_goes_before_a_foreign_one(tmp_path):
+    rows = [f"7,{row},2.5" for row in text(",").splitlines()[1:]]
+    result = read(tmp_path, "\n".join(["Carga (kg),q1_deg,q2_deg,x_mm,y_mm,payload_kg", *rows]))
+    assert result.payload_mass == pytest.approx(np.full(30, 2.5))
+
+
+def test_two_robots_in_one_file_are_not_taken(tmp_path):
+    rows = [",".join((*row.split(",")[:2], row)) for row in text(",").splitlines()[1:]]
+    headers = "left/Joint 1 [deg],left/Joint 2 [deg],right/Joint 1 [deg],right/Joint 2 [deg],x_mm,y_mm"
+    with pytest.raises(InputError, match="q1: is missing"):
+        read(tmp_path, "\n".join([headers, *rows]))
 
 
 def test_columns_left_aside_are_named(tmp_path):
@@ -213,5 +254,8 @@ def test_columns_left_aside_are_named(tmp_path):
 def test_headers_of_other_programs_point_to_what_proposes_them(tmp_path):
     """KUKA's angles beside a tip whose columns lack their unit."""
     (tmp_path / "r.csv").write_text("AIPos.A1,x,y\n10,0.1,0.3\n20,0.2,0.4\n", encoding="utf-8")
-    with pytest.raises(InputError, match=r"x: has no unit; write .* \(`linkwright columns FILE --arm ARM` proposes it"):
+    with pytest.raises(
+        InputError,
+        match=r"x: has no unit; write .* \(`linkwright columns FILE --arm ARM --out recording.yaml` proposes it",
+    ):
         read_recording(tmp_path / "r.csv", ARM)

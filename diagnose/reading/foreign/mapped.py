@@ -1,4 +1,4 @@
-"""Foreign headers of a motion log taken for ours, so far as they are plain, and said."""
+"""Foreign headers taken for ours, so far as they are plain, and said."""
 
 from __future__ import annotations
 
@@ -8,12 +8,41 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
+import numpy as np
+
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.diagnose.reading.columns import canonical
-from linkwright.core.diagnose.reading.foreign.proposal import Meaning, proposed
+from linkwright.core.diagnose.reading.columns import canonical, otherwise_spelled
 from linkwright.core.diagnose.reading.settings import ReadingSettings
 from linkwright.core.diagnose.reading.table import Table
 from linkwright.core.units.quantities import InputError
+
+from .proposal import Meaning, proposed
+
+_POSES = ("position", "camera")
+"""Kinds of observation that x, y and z are of."""
+
+
+def plain_headers(table: Table, arm: Arm, held: ReadingSettings) -> dict[str, Meaning]:
+    """The foreign headers of a recording of the tip that are one of ours beyond doubt (`Meaning.plain`), none of what
+    headers of ours say or the settings map or pass over."""
+    names = [header for header in table.names if header not in held.ignore]
+    known = {canonical(each).partition("_")[0] for each in (*names, *(otherwise_spelled(name) or "" for name in names))}
+    known |= {canonical(header).partition("_")[0] for header in held.columns}
+    if held.instrument is not None and not set(held.kinds) & set(_POSES):
+        known |= {"x", "y", "z"}
+    meanings = proposed(table, arm)
+    if any(item.rival for item in meanings):
+        known |= {f"q{joint}" for joint in range(1, arm.size + 1)}
+    return {
+        item.header: item
+        for item in meanings
+        if item.plain and not item.formula and item.header in names and item.what not in known and _fits(item, table)
+    }
+
+
+def _fits(item: Meaning, table: Table) -> bool:
+    """Whether a column of sides holds sides and nothing else."""
+    return not item.what.startswith("dir") or bool(np.isin(table.sides(item.header), (-1.0, 0.0, 1.0)).all())
 
 
 def with_foreign(table: Table, arm: Arm, held: ReadingSettings) -> tuple[ReadingSettings, list[str]]:
@@ -41,7 +70,7 @@ def with_foreign(table: Table, arm: Arm, held: ReadingSettings) -> tuple[Reading
         **held.columns,
         **{item.ours: item.formula or f"`{item.header}`" for item in foreign if "`" not in item.header},
     }
-    return replace(held, columns=MappingProxyType(columns)), [_sentence(foreign)]
+    return replace(held, columns=MappingProxyType(columns)), [taken_for_ours(foreign)]
 
 
 def _of_headers(held: ReadingSettings, meanings: Sequence[Meaning], table: Table) -> Mapping[str, str]:
@@ -52,7 +81,7 @@ def _of_headers(held: ReadingSettings, meanings: Sequence[Meaning], table: Table
     return MappingProxyType(formulas) if known else held.columns
 
 
-def _sentence(foreign: Sequence[Meaning]) -> str:
+def taken_for_ours(foreign: Sequence[Meaning]) -> str:
     """Which headers are taken for which of ours: of joints the first of each kind, and how many there are."""
     kinds: dict[str, list[Meaning]] = defaultdict(list)
     for item in foreign:
