@@ -7,7 +7,7 @@ apart is told beside it. Torques that were clipped are no torques, and speeds th
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 from types import MappingProxyType
 
@@ -16,11 +16,11 @@ from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.motion.log import MotionLog
+from linkwright.core.diagnose.reading.read_column import Headers
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import InputError
-from linkwright.core.units.reading import refusal
 
 from .smoothing import moving_average
 from .weights import look_at_weights, refuse_millimetres
@@ -31,7 +31,7 @@ _NEXT = 4
 """Values beside an extreme, which a torque that is not clipped holds about as often."""
 
 
-def look_at_logs(logs: Sequence[tuple[MotionLog, Mapping[str, str]]], arm: Arm, rules: Rules) -> tuple[MotionLog, ...]:
+def look_at_logs(logs: Sequence[tuple[MotionLog, Headers]], arm: Arm, rules: Rules) -> tuple[MotionLog, ...]:
     """Logs of one arm, less clipped torques and speeds that lag, with sentences on what is doubted.
 
     Args:
@@ -42,7 +42,7 @@ def look_at_logs(logs: Sequence[tuple[MotionLog, Mapping[str, str]]], arm: Arm, 
     Raises:
         InputError: A log is plainly meant otherwise, with what to write.
     """
-    done: list[tuple[MotionLog, Mapping[str, str]]] = []
+    done: list[tuple[MotionLog, Headers]] = []
     for log, headers in logs:
         torques = _without_clipped(log, headers, rules)
         _refuse_speeds(torques, headers, rules)
@@ -52,7 +52,7 @@ def look_at_logs(logs: Sequence[tuple[MotionLog, Mapping[str, str]]], arm: Arm, 
     return look_at_weights(done, arm, rules)
 
 
-def _without_clipped(log: MotionLog, headers: Mapping[str, str], rules: Rules) -> MotionLog:
+def _without_clipped(log: MotionLog, headers: Headers, rules: Rules) -> MotionLog:
     """The log without torques that hold their extreme, as clipped ones do: those samples of that joint are unknown."""
     if log.drive.of_voltage:
         return log  # a loop at its limit gives what it gives
@@ -86,7 +86,7 @@ def _held(values: Array, moves: NDArray[np.bool_], rules: Rules) -> NDArray[np.b
     return values == levels[-1] if counts[-1] > usual else nothing
 
 
-def _refuse_beyond_effort(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> None:
+def _refuse_beyond_effort(log: MotionLog, arm: Arm, headers: Headers, rules: Rules) -> None:
     """Refuse torques that are far beyond what the arm file says that drives give: they are in another unit."""
     if log.torque_constants_free:
         return
@@ -106,7 +106,7 @@ def _refuse_beyond_effort(log: MotionLog, arm: Arm, headers: Mapping[str, str], 
         refuse_millimetres(log, arm, headers, message)
 
 
-def _without_lag(log: MotionLog, headers: Mapping[str, str], rules: Rules) -> MotionLog:
+def _without_lag(log: MotionLog, headers: Headers, rules: Rules) -> MotionLog:
     """The log without speeds that a causal filter made late: they are then the coordinates' own."""
     if log.velocity is None:
         return log
@@ -140,7 +140,7 @@ def _without_lag(log: MotionLog, headers: Mapping[str, str], rules: Rules) -> Mo
     )
 
 
-def _refuse_speeds(log: MotionLog, headers: Mapping[str, str], rules: Rules) -> None:
+def _refuse_speeds(log: MotionLog, headers: Headers, rules: Rules) -> None:
     """Refuse speeds that are not those of the coordinates: the other way, in another unit."""
     if log.velocity is None:
         return
@@ -166,14 +166,14 @@ def _refuse_speeds(log: MotionLog, headers: Mapping[str, str], rules: Rules) -> 
         if unit:
             message += f", as by a clock that counts {unit}"
             clock = headers.get("time", "time")
-            remedies.insert(0, {"t_s": f"{clock}/{_FINER[unit]:.0f}"})
+            remedies.insert(0, {headers.clock: f"{clock}/{_FINER[unit]:.0f}"})
         if math.isclose(abs(factor), 1.0 / _DEGREE, rel_tol=0.2):
             message += ", as of angles in degrees"
             remedies.insert(0, {place: f"{place}/{_DEGREE:.7g}"})
-        raise refusal(log.file, speed, message, *({"columns": remedy} for remedy in remedies))
+        raise headers.refusal(log.file, speed, message, *({"columns": remedy} for remedy in remedies))
 
 
-def _refuse_coordinates(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> None:
+def _refuse_coordinates(log: MotionLog, arm: Arm, headers: Headers, rules: Rules) -> None:
     """Refuse coordinates that go through several times what their joints can: of motors, or in another unit. What can
     turn a whole turn may turn on."""
     low, high = np.quantile(log.q, [0.01, 0.99], axis=0)
@@ -184,5 +184,6 @@ def _refuse_coordinates(log: MotionLog, arm: Arm, headers: Mapping[str, str], ru
         name, by = headers.get(f"q{k + 1}", f"q{k + 1}"), _DEGREE if joint.revolute else 1e3
         unit = "rad" if joint.revolute else "m"
         message = f"goes through {through:.3g} {unit}, and joint {k + 1} by {arm.name!r} through {whole:.3g} at most: "
-        message += f"is it in {'degrees' if joint.revolute else 'mm'} or of the motor? Write `columns: {{{name}: "
-        raise InputError(log.file, name, f"{message}{name}/{by:.7g}}}` in recording.yaml, or its gear's ratio there")
+        message += f"is it in {'degrees' if joint.revolute else 'mm'} or of the motor? For the one "
+        write = headers.write({"columns": {name: f"{name}/{by:.7g}"}})
+        raise InputError(log.file, name, f"{message}{write}, for the other its gear's ratio")

@@ -8,13 +8,13 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_right
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.diagnose.reading.read_column import Headers
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.residual.robust_scale import resolution
 from linkwright.core.diagnose.rules.rules import RULES, Rules
@@ -25,7 +25,7 @@ from linkwright.core.units.quantities import InputError, format_quantity
 from .rows import motion_checked
 
 
-def checked(recording: Recording, arm: Arm, headers: Mapping[str, str], *, rules: Rules = RULES) -> Recording:
+def checked(recording: Recording, arm: Arm, headers: Headers, *, rules: Rules = RULES) -> Recording:
     """The recording less the rows that cannot be right, which join `rejected`, with sentences in `warnings`.
 
     `headers` gives the header of each column (`q1`: `q1_deg`) for messages. Raises `InputError` where a whole column
@@ -48,7 +48,7 @@ def _saying(recording: Recording, sentence: str) -> Recording:
     return replace(recording, warnings=(*recording.warnings, sentence))
 
 
-def _sides(recording: Recording, headers: Mapping[str, str], rules: Rules) -> Recording:
+def _sides(recording: Recording, headers: Headers, rules: Rules) -> Recording:
     del rules
     if recording.sides is None:
         return recording
@@ -65,13 +65,13 @@ def _sides(recording: Recording, headers: Mapping[str, str], rules: Rules) -> Re
         sides = recording.sides[:, index]
         if (sides == 1.0).any() and (sides == 0.0).any() and not (sides == -1.0).any():
             name = headers.get(f"dir{index + 1}", f"dir{index + 1}")
-            hint = f"if 0 is the other side, write `columns: {{{name}: 2*{name} - 1}}` in recording.yaml"
+            hint = f"if 0 is the other side, {headers.write({'columns': {name: f'2*{name} - 1'}})}"
             recording = _saying(recording, f"{name} is 1 or 0 and never -1: 0 counts as unknown ({hint}).")
             assert recording.sides is not None
     return recording
 
 
-def _covariates(recording: Recording, headers: Mapping[str, str], rules: Rules) -> Recording:
+def _covariates(recording: Recording, headers: Headers, rules: Rules) -> Recording:
     if recording.payload_mass is not None:
         name = headers.get("payload", "payload_kg")
         negative = recording.payload_mass < 0.0
@@ -103,7 +103,7 @@ def _temperature(recording: Recording, kelvin: Array, name: str, rules: Rules) -
     return _rejecting(recording, wrong, f"{name} says {first}")
 
 
-def _time(recording: Recording, headers: Mapping[str, str], rules: Rules) -> Recording:
+def _time(recording: Recording, headers: Headers, rules: Rules) -> Recording:
     """Time runs from the first reading on; a stray stamp costs its row, a clock that was set back costs the times."""
     if recording.time is None:
         return recording
@@ -148,7 +148,7 @@ def longest_run(time: Array) -> NDArray[np.bool_]:
     return member
 
 
-def _pasted(recording: Recording, headers: Mapping[str, str], rules: Rules) -> Recording:
+def _pasted(recording: Recording, headers: Headers, rules: Rules) -> Recording:
     """Rows that stand in the file twice, in the same order: a part of it pasted in again.
 
     An instrument of few steps may say the same again of the same poses, so only a fine one is believed to have not.
@@ -188,7 +188,7 @@ def _read(recording: Recording) -> list[Array]:
     return [*parts, *recording.other.values()]
 
 
-def _duplicates(recording: Recording, headers: Mapping[str, str], rules: Rules) -> Recording:
+def _duplicates(recording: Recording, headers: Headers, rules: Rules) -> Recording:
     """Rows that say again what the row before said, to the last digit: a logger's copies, or readings too coarse."""
     del headers
     if recording.size < 2:
@@ -237,7 +237,7 @@ def _coarse(recording: Recording, same_q: NDArray[np.bool_], rules: Rules) -> bo
     return bool(len(moved)) and float(np.median(moved)) <= rules.mistakes.coarse
 
 
-def _whole_turns(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> Recording:
+def _whole_turns(recording: Recording, arm: Arm, headers: Headers) -> Recording:
     """Angles that count from 0 to 360 deg brought into the declared range, and what was read beside them to them:
     what grows with an angle (the scale of an encoder) must not jump by a turn."""
     q, turn, sentences = recording.q.copy(), 2.0 * math.pi, list[str]()
@@ -272,7 +272,7 @@ def _whole_turns(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> 
     return replace(recording, **changed, warnings=(*recording.warnings, *sentences))  # pyright: ignore[reportArgumentType]
 
 
-def _beyond_range(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> list[str]:
+def _beyond_range(recording: Recording, arm: Arm, headers: Headers) -> list[str]:
     sentences: list[str] = []
     for index, joint in enumerate(arm.joints):
         low, high = joint.range
@@ -288,7 +288,7 @@ def _beyond_range(recording: Recording, arm: Arm, headers: Mapping[str, str]) ->
     return sentences
 
 
-def _constant(recording: Recording, arm: Arm, headers: Mapping[str, str]) -> list[str]:
+def _constant(recording: Recording, arm: Arm, headers: Headers) -> list[str]:
     if recording.size < 2:
         return []
     still = [

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.instruments.placement import Placement, placed, turn_of
+from linkwright.core.diagnose.reading.read_column import Headers
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
@@ -40,7 +41,7 @@ class Tips:
     arm: Arm
     place: Placement
     reach: float
-    headers: Mapping[str, str]
+    headers: Headers
     rules: Rules
 
     @property
@@ -118,7 +119,7 @@ def _refuse_transformed(seen: Tips, *, gross: bool) -> None:
         message = f"{said}{'' if 'seem' in said else ', it seems'}: then the middle reading is {change}"
         columns = whole.columns(seen.arm, seen.headers)
         remedy = {**({"columns": columns} if columns else {}), **further}
-        raise refusal(recording.file, "", message, *([remedy] if remedy else []))
+        raise seen.headers.refusal(recording.file, "", message, *([remedy] if remedy else []))
 
 
 def _as_well(seen: Tips, cause: Judged, both: Placement, *, tool: bool) -> bool:

@@ -7,7 +7,6 @@ more than half a per cent of the reach.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +15,7 @@ from numpy.typing import NDArray
 from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.instruments.placement import Placement, placed
+from linkwright.core.diagnose.reading.read_column import Headers
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
@@ -27,7 +27,7 @@ from .units import IN_A_ROW, unit_changes, widest
 Mask = NDArray[np.bool_]
 
 
-def motion_checked(recording: Recording, arm: Arm, headers: Mapping[str, str], *, rules: Rules = RULES) -> Recording:
+def motion_checked(recording: Recording, arm: Arm, headers: Headers, *, rules: Rules = RULES) -> Recording:
     """The recording less rows in which joints and tip contradict each other grossly. Raises `InputError`."""
     if recording.slots is not None:
         return recording  # whatever was measured in part is looked at by `instruments.checks`

@@ -2,22 +2,20 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.unknown_mass import of_unknown_mass
+from linkwright.core.diagnose.reading.read_column import Headers
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.masses_from_torques import against_any_masses
 from linkwright.core.diagnose.residual.observe import undeformed
 from linkwright.core.diagnose.residual.torque import DriveTorque, Factor, drive_torques
 from linkwright.core.diagnose.residual.visits import visits
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
-from linkwright.core.units.reading import refusal
 
 
-def refuse_torques_of_another_sign(
-    recording: Recording, arm: Arm, headers: Mapping[str, str], *, rules: ResidualRules
-) -> None:
+def refuse_torques_of_another_sign(recording: Recording, arm: Arm, headers: Headers, *, rules: ResidualRules) -> None:
     """Raise `InputError` where drives would pull with the load that they hold: of links of unknown mass, with any load
     that they could have."""
     if recording.torque is None:
@@ -30,14 +28,14 @@ def refuse_torques_of_another_sign(
     _refuse(recording, [drive.joint for drive in drives if _is_against(drive, rules)], headers)
 
 
-def _refuse(recording: Recording, joints: Sequence[int], headers: Mapping[str, str]) -> None:
+def _refuse(recording: Recording, joints: Sequence[int], headers: Headers) -> None:
     if not joints:
         return
     names = [headers.get(f"tau{joint + 1}", f"tau{joint + 1}") for joint in joints]
     message = (
         "goes against what links and payload weigh: torque counts positive where the drive pushes towards increasing q"
     )
-    raise refusal(recording.file, ", ".join(names), message, {"columns": {name: f"-{name}" for name in names}})
+    raise headers.refusal(recording.file, ", ".join(names), message, {"columns": {name: f"-{name}" for name in names}})
 
 
 def _is_against(drive: DriveTorque, rules: ResidualRules) -> bool:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 
@@ -11,8 +11,9 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.motion.log import MotionLog
+from linkwright.core.diagnose.reading.read_column import Headers
 from linkwright.core.diagnose.rules.rules import Rules
-from linkwright.core.units.reading import refusal, written
+from linkwright.core.units.reading import refusal
 
 from .library import Library
 from .search import Judged, likeliest
@@ -29,7 +30,7 @@ class _Look:
     first, if that is likelier than `given`."""
 
     log: MotionLog
-    headers: Mapping[str, str]
+    headers: Headers
     evidence: TorqueEvidence
     given: Judged
     meant: tuple[Judged, ...] = ()
@@ -54,9 +55,7 @@ class _Look:
         return here.explains and here.total - self.given.total < least
 
 
-def look_at_weights(
-    logs: Sequence[tuple[MotionLog, Mapping[str, str]]], arm: Arm, rules: Rules
-) -> tuple[MotionLog, ...]:
+def look_at_weights(logs: Sequence[tuple[MotionLog, Headers]], arm: Arm, rules: Rules) -> tuple[MotionLog, ...]:
     """Logs of one arm, each with the headers of its columns, with sentences on torques that are doubted.
 
     What is doubted of one log is doubted of all, where none contradicts it. Raises `InputError` where torques go
@@ -99,7 +98,7 @@ def _refuse(look: _Look, others: Sequence[_Look], arm: Arm, rules: Rules) -> Non
     remedies = [{"columns": columns} for each in told if (columns := each.columns(arm, look.headers))]
     also = [Path(other.log.file).name for other in others if other.accepts(best[0], rules.log.conventions_gain)]
     more = f" ({', '.join(also)} can be read so too)" if also else ""
-    raise refusal(look.log.file, "", f"goes against the arm's weights: {_any_of(told)}{more}", *remedies)
+    raise look.headers.refusal(look.log.file, "", f"goes against the arm's weights: {_any_of(told)}{more}", *remedies)
 
 
 def _doubt(seen: dict[int, _Look], arm: Arm, rules: Rules) -> None:
@@ -114,10 +113,10 @@ def _doubt(seen: dict[int, _Look], arm: Arm, rules: Rules) -> None:
         if not source.meant:
             continue
         told = source.reported(rules.log.conventions_gain)
-        ways = [written({"columns": columns}) for each in told if (columns := each.columns(arm, look.headers))]
+        ways = [{"columns": columns} for each in told if (columns := each.columns(arm, look.headers))]
         by = "" if source is look else f", as in {Path(source.log.file).name}"
         sentence = f"The arm's weights leave doubt{by}: {_any_of(told)}. The log is taken as it stands." + (
-            f" If it is so, write {' or '.join(ways)} in recording.yaml." if ways else ""
+            f" If it is so, {look.headers.write(*ways)}." if ways else ""
         )
         seen[number] = replace(look, log=look.log.saying(sentence))
 
@@ -144,9 +143,7 @@ def _without_weights(look: _Look, rules: Rules) -> str:
     return sentence + (f" Without them these joints can be told: {', '.join(explained)}." if explained else "")
 
 
-def _refuse_motor_torques(
-    evidence: TorqueEvidence, log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules
-) -> None:
+def _refuse_motor_torques(evidence: TorqueEvidence, log: MotionLog, arm: Arm, headers: Headers, rules: Rules) -> None:
     """Refuse torques that follow the arm's weights, all by a factor that is a gear's, or a unit's."""
     if evidence.free:
         return
@@ -175,7 +172,7 @@ def _refuse_motor_torques(
     refuse_millimetres(log, arm, headers, f"{message}; are they in another unit (N*mm)")
 
 
-def _of_little_torque(evidence: TorqueEvidence, log: MotionLog, headers: Mapping[str, str], rules: Rules) -> MotionLog:
+def _of_little_torque(evidence: TorqueEvidence, log: MotionLog, headers: Headers, rules: Rules) -> MotionLog:
     """The log, with a sentence on torques that are next to nothing beside what the arm's weights make."""
     logged, made = (np.sqrt(np.mean(np.square(each), axis=0)) for each in (evidence.torque, evidence.rigid))
     little = [k for k in evidence.joints.tolist() if logged[k] * rules.log.least_gear < made[k]]
@@ -190,8 +187,9 @@ def _of_little_torque(evidence: TorqueEvidence, log: MotionLog, headers: Mapping
     return log.saying(sentence)
 
 
-def refuse_millimetres(log: MotionLog, arm: Arm, headers: Mapping[str, str], message: str) -> None:
+def refuse_millimetres(log: MotionLog, arm: Arm, headers: Headers, message: str) -> None:
     """Refuse torques that seem to be in N mm."""
     base = log.drive.base
     names = [name for k in range(arm.size) if (name := headers.get(f"{base}{k + 1}", ""))]
-    raise refusal(log.file, ", ".join(names), f"{message}?", {"columns": {name: f"{name}/1000" for name in names}})
+    remedy = {"columns": {name: f"{name}/1000" for name in names}}
+    raise headers.refusal(log.file, ", ".join(names), f"{message}?", remedy)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -102,7 +103,8 @@ class _Naming:
         if meaning.name in self.columns:
             raise InputError(held.file, key, f"is given twice; {self.columns[meaning.name].header} gives it")
         self.used.update(formula.columns)
-        self.columns[meaning.name] = _by_formula(self.table, header, meaning, formula, held)
+        column = _by_formula(self.table, header, meaning, formula, held)
+        self.columns[meaning.name] = replace(column, formula="" if text == header else text)
 
     def by_header(self, header: str, ours: str) -> None:
         """A column by its header, which is `ours` where it was written otherwise. Raises `InputError`."""
@@ -119,9 +121,12 @@ class _Naming:
                 self.warnings.append(f"{header} gives way to {meaning.name} of {Path(held.file).name}.")
         else:
             form = _time_format(table, header, held) if meaning.base == "time" else None
-            self.columns[meaning.name] = (
+            column = (
                 _plain(table, header, meaning) if form is None else _stamps(table, header, header, meaning, form, held)
             )
+            if ours != header:
+                column = replace(column, ours=ours, formula=f"`{header}`")
+            self.columns[meaning.name] = column
 
     def _meaning(self, header: str, ours: str) -> ColumnMeaning | None:
         try:

@@ -31,7 +31,7 @@ from .columns import example_headers, meaning_of
 from .files import read_table
 from .followers import with_followers
 from .named_columns import PROPOSES, chosen_rows, named_columns
-from .read_column import ReadColumn
+from .read_column import Headers, ReadColumn
 from .settings import ReadingSettings, find_settings, read_settings
 from .sights import in_part, sights_of
 from .table import Table
@@ -64,9 +64,7 @@ def recording_from(table: Table, arm: Arm, held: ReadingSettings, *, rules: Rule
     return _checked(*_unchecked(table, arm, held, rules), rules)
 
 
-def _unchecked(
-    table: Table, arm: Arm, held: ReadingSettings, rules: Rules
-) -> tuple[Recording, Arm, dict[str, str], bool]:
+def _unchecked(table: Table, arm: Arm, held: ReadingSettings, rules: Rules) -> tuple[Recording, Arm, Headers, bool]:
     """What a table holds before it is checked against the arm: the recording, the arm to its tip, what the columns are
     called in the file, and whether the tip's place was seen in part only."""
     path = Path(table.file)
@@ -102,11 +100,11 @@ def _unchecked(
     if not recording.size:
         why = recording.rejected[0]
         raise InputError(path, "", f"no row can be used; row {why.row}: {why.reason}")
-    headers = {column.meaning.name: column.header for column in columns.values()}
-    return recording, arm, headers, sights is not None
+    headers = {column.meaning.name: column for column in columns.values()}
+    return recording, arm, Headers.of(headers, held.columns, held.file), sights is not None
 
 
-def _checked(recording: Recording, arm: Arm, headers: dict[str, str], in_parts: bool, rules: Rules) -> Recording:
+def _checked(recording: Recording, arm: Arm, headers: Headers, in_parts: bool, rules: Rules) -> Recording:
     # A transform that nobody knows cannot be contradicted: joints and tips are checked with it where they put it.
     arm = located(arm, recording, rules=rules)
     done = checked(recording, arm, headers, rules=rules)

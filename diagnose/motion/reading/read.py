@@ -22,7 +22,7 @@ from linkwright.core.diagnose.reading.foreign.mapped import with_foreign
 from linkwright.core.diagnose.reading.foreign.proposal import proposed
 from linkwright.core.diagnose.reading.motion_settings import MotionSettings
 from linkwright.core.diagnose.reading.named_columns import chosen_rows, named_columns
-from linkwright.core.diagnose.reading.read_column import ReadColumn
+from linkwright.core.diagnose.reading.read_column import Headers, ReadColumn
 from linkwright.core.diagnose.reading.settings import ReadingSettings, find_settings, read_settings
 from linkwright.core.diagnose.reading.table import Table
 from linkwright.core.diagnose.rules.rules import RULES, Rules
@@ -97,12 +97,13 @@ def logs_from(
     return look_at_logs([_checked(table, arm, held, rules) for table, held in tables], arm, rules)
 
 
-def _checked(table: Table, arm: Arm, held: ReadingSettings, rules: Rules) -> tuple[MotionLog, dict[str, str]]:
+def _checked(table: Table, arm: Arm, held: ReadingSettings, rules: Rules) -> tuple[MotionLog, Headers]:
     """The log that a table holds, its samples checked, and the headers of its columns by name."""
     if arm.branches:
         message = f"is a motion log, and {arm.name!r} has several arms on one torso; give one of them"
         raise InputError(table.file, "", message)
     motion = held.motion or MotionSettings()
+    own = held.columns
     held, mapped = with_foreign(table, arm, replace(held, motion=motion))
     table, said = chosen_rows(table, held)
     columns, strangers, more = named_columns(table, held, arm)
@@ -119,8 +120,8 @@ def _checked(table: Table, arm: Arm, held: ReadingSettings, rules: Rules) -> tup
     drives = drives_of(columns, arm, motion, table, held)
     warnings += drives.warnings
     log = _assembled(columns, strangers, table, arm, held, drives, warnings)
-    done = checked_samples(log, arm, columns, table.ragged, rules=rules)
-    return done, {name: column.header for name, column in columns.items()}
+    headers = Headers.of(columns, own, held.file)
+    return checked_samples(log, arm, columns, table.ragged, headers, rules=rules), headers
 
 
 def _rows_of_others(columns: dict[str, ReadColumn], few: float) -> NDArray[np.bool_] | None:

@@ -12,13 +12,12 @@ from numpy.typing import NDArray
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.first_look.readings import longest_run
 from linkwright.core.diagnose.motion.log import MotionLog
-from linkwright.core.diagnose.reading.read_column import ReadColumn
+from linkwright.core.diagnose.reading.read_column import Headers, ReadColumn
 from linkwright.core.diagnose.recording import RejectedRow
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import InputError
-from linkwright.core.units.reading import refusal
 
 Mask = NDArray[np.bool_]
 
@@ -28,15 +27,15 @@ def checked_samples(
     arm: Arm,
     columns: Mapping[str, ReadColumn],
     ragged: Sequence[RejectedRow],
+    headers: Headers,
     *,
     rules: Rules = RULES,
 ) -> MotionLog:
     """The log in the order of time, its clock from 0, less the samples that cannot be right. Raises `InputError`."""
-    headers = {name: column.header for name, column in columns.items()}
     log = replace(log, rejected=tuple(ragged))
     log = _without_numbers(log, columns)
     _enough(log, rules)
-    log = _in_order(log, headers.get("time", "t_s"), rules)
+    log = _in_order(log, headers, rules)
     _refuse_two_robots(log, arm, rules)
     log = _one_a_stamp(log, headers.get("time", "t_s"), rules)
     log = _without_spikes(log, arm, headers, rules)
@@ -75,8 +74,9 @@ def _without_numbers(log: MotionLog, columns: Mapping[str, ReadColumn]) -> Motio
     return _rejecting(log, reasons)
 
 
-def _in_order(log: MotionLog, name: str, rules: Rules) -> MotionLog:
+def _in_order(log: MotionLog, headers: Headers, rules: Rules) -> MotionLog:
     """Stray stamps cost their samples; a clock that starts again, or runs backwards, is refused."""
+    name = headers.get("time", "t_s")
     steps = np.diff(log.time)
     back = np.flatnonzero(steps < 0.0) + 1
     if len(back):
@@ -102,7 +102,8 @@ def _in_order(log: MotionLog, name: str, rules: Rules) -> MotionLog:
         if not interval > 0.0:
             raise InputError(log.file, name, "stands still: the log has no clock")
         message = f"counts {interval:.4g} s from sample to sample; is it in another unit (ms, us, ns)?"
-        raise refusal(log.file, name, message, *({"columns": {"t_s": f"{name}/{by}"}} for by in ("1000", "1e6", "1e9")))
+        others = ({"columns": {headers.clock: f"{name}/{by}"}} for by in ("1000", "1e6", "1e9"))
+        raise headers.refusal(log.file, name, message, *others)
     return log
 
 
@@ -138,7 +139,7 @@ def _one_a_stamp(log: MotionLog, name: str, rules: Rules) -> MotionLog:
     return _rejecting(log, reasons)
 
 
-def _without_spikes(log: MotionLog, arm: Arm, headers: Mapping[str, str], rules: Rules) -> MotionLog:
+def _without_spikes(log: MotionLog, arm: Arm, headers: Headers, rules: Rules) -> MotionLog:
     """Single samples that no motion makes: angles that jump there and back, spikes of torque."""
     reasons: dict[int, str] = {}
     for values, share, of in (

@@ -8,11 +8,12 @@ import pytest
 from linkwright.core.diagnose.first_look import weights
 from linkwright.core.diagnose.first_look.library import Library
 from linkwright.core.diagnose.first_look.search import Judged
+from linkwright.core.diagnose.reading.read_column import Headers
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.units.quantities import InputError
 from tests.diagnose.motion.plumb_arm import HAND, logged, plumb_arm
 
-HEADERS = {name: name for k in (1, 2) for name in (f"q{k}", f"tau{k}")}
+HEADERS = Headers({name: name for k in (1, 2) for name in (f"q{k}", f"tau{k}")})
 
 
 @dataclass

@@ -101,7 +101,7 @@ def test_mistakes_are_named_with_what_to_write(tmp_path, name):
             log = read_log(written(tmp_path, columns, settings), arm())
             break
         except InputError as error:
-            more = re.findall(r"`columns: \{([^`]*)\}`", str(error))[0]
+            more = re.findall(r"in `columns` of recording.yaml add (.*)$", str(error))[0]
             settings = settings.replace("}\n", f", {more}}}\n")
     given = motion()
     assert np.corrcoef(log.torque[:, 0], given["tau1_Nm"])[0, 1] > 0.99
