@@ -42,8 +42,9 @@ def nearest(name: str, known: Iterable[str], alike: float = _ALIKE) -> str:
     """Return `; did you mean 'X'?` for what a name means (see `meant`), the names that hold it as a word
     (`steel`), or a short list of what is known."""
     held: Mapping[str, Any] = known if isinstance(known, Mapping) else dict.fromkeys(known)
-    family = [item for item in held if f"_{_plain(name)}_" in f"_{_plain(item)}_"]
-    if len(family) > 1 and meant(name, held, 1.0) is None:
+    said = meant(name, held, 1.0) is not None
+    family = [item for item in held if not said and f"_{_plain(name)}_" in f"_{_plain(item)}_"]
+    if len(family) > 1:
         return f"; did you mean one of {', '.join(family[:_MOST])}{', ...' if len(family) > _MOST else ''}?"
     result = meant(name, family or held, alike if not family else 0.0)
     if result is not None:

@@ -247,6 +247,8 @@ class Effect:
     Driels, Fundamentals of Manipulator Calibration, Wiley 1991, ch. 1.)
     `linear` promises displacements in proportion to the sizes, which fits may then rely on.
 
+    `synonyms` is what people call it as well, for who is told its name.
+
     What only some effects have stands by subject: `play` what is left free, `drive` what is of a drive, `link` what is
     of links and of what gives, `recording` what a diagnosis goes by, `watch` how long it lasts (see `traits`).
 
@@ -279,6 +281,7 @@ class Effect:
     recording: RecordingTraits = field(default_factory=RecordingTraits)
     watch: WatchTraits = field(default_factory=WatchTraits)
     torques: Callable[[Motion, Settings], Mapping[int, Array]] | None = None
+    synonyms: tuple[str, ...] = ()
 
     @property
     def belongs_to_link(self) -> bool:

@@ -160,7 +160,7 @@ def _leave_out(mapping: Mapping) -> frozenset[str]:
     for number, name in enumerate(mapping.items("leave_out", []), start=1):
         if name not in EFFECTS:
             raise mapping.error(
-                f"leave_out[{number}]", f"there is no effect {shown(name)}{nearest(str(name), list(EFFECTS))}"
+                f"leave_out[{number}]", f"there is no effect {shown(name)}{nearest(str(name), EFFECTS)}"
             )
         names.append(str(name))
     return frozenset(names)
@@ -177,7 +177,7 @@ def read_effects(
         with entry.reading(*also_known):
             name = entry.text("effect")
             if name not in EFFECTS:
-                raise entry.error("effect", f"there is no effect '{name}'{nearest(name, list(EFFECTS))}")
+                raise entry.error("effect", f"there is no effect '{name}'{nearest(name, EFFECTS)}")
             at = _places(entry, len(joints))
             _check_places(entry, EFFECTS[name], at, joints)
             slides = acts_on_slides(EFFECTS[name], at, joints)

@@ -134,5 +134,5 @@ def known_effects(names: Collection[str], key: str = "without") -> frozenset[str
     """Names of effects; raises `InputError` with the nearest for one that is not known."""
     for name in names:
         if name not in EFFECTS:
-            raise InputError("", key, f"there is no effect '{name}'{nearest(name, list(EFFECTS))}")
+            raise InputError("", key, f"there is no effect '{name}'{nearest(name, EFFECTS)}")
     return frozenset(names)

@@ -55,4 +55,11 @@ ENCODER_OFFSET = Effect(
     watch=WatchTraits(lasts="a while", always=True),
     rank=20,
     linear=True,
+    synonyms=(
+        "zero_offset",
+        "joint_offset",
+        "home_offset",
+        "zero",
+        "offset",
+    ),
 )

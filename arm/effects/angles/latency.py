@@ -34,4 +34,8 @@ LATENCY = Effect(
     rank=300,
     linear=True,
     recording=RecordingTraits(of_instrument=True),
+    synonyms=(
+        "delay",
+        "time_delay",
+    ),
 )

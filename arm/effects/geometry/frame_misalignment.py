@@ -52,4 +52,9 @@ FRAME_MISALIGNMENT = Effect(
     rank=170,
     linear=True,
     recording=RecordingTraits(of_instrument=True, free_with="frame"),
+    synonyms=(
+        "base_frame",
+        "base_offset",
+        "frame",
+    ),
 )

@@ -31,7 +31,8 @@ def _given_by(arm: Arm, index: int) -> tuple[str, ...]:
 
 
 def _offset(axis: str, row: str = "") -> Parameter:
-    return size(axis, "length", -0.1, 0.1, (0.1e-3, 1e-3), optional=True, out_of_plane=axis == "z").means(
+    label = f"further along {axis} by"
+    return size(axis, "length", -0.1, 0.1, (0.1e-3, 1e-3), optional=True, out_of_plane=axis == "z", label=label).means(
         f"of a link askew in its frame: how much further along {axis} it ends than in the file{row}",
         "ISO 2768-1:1989, medium to coarse, at 0.2 to 1 m",
     )
@@ -47,13 +48,13 @@ LINK_LENGTH = Effect(
     aliases=("tool_offset", "instrument_scale", "thermal_expansion"),
     source="B. W. Mooring, Z. S. Roth & M. R. Driels, Fundamentals of Manipulator Calibration (Wiley, 1991)",
     parameters=(
-        size("length", "length", -0.1, 0.1, (0.1e-3, 1e-3), optional=True).means(
+        size("length", "length", -0.1, 0.1, (0.1e-3, 1e-3), optional=True, label="longer by").means(
             "true length less the one in the file", "ISO 2768-1:1989, medium to coarse, at 0.2 to 1 m"
         ),
         _offset("x", " (a of a standard Denavit-Hartenberg row)"),
         _offset("y"),
         _offset("z", " (d of such a row)"),
-        size("stretch", "dimensionless", -0.1, 0.1, (2e-5, 1e-3), of_all=True).means(
+        size("stretch", "dimensionless", -0.1, 0.1, (2e-5, 1e-3), of_all=True, label="longer in proportion by").means(
             "the same as a share of each link's length and each slide's travel: all in proportion, by one wrong gauge",
             "ISO 2768-1:1989, medium to coarse, over 0.2 to 1 m",
         ),
@@ -63,4 +64,9 @@ LINK_LENGTH = Effect(
     recording=RecordingTraits(sizes_at=_given_by),
     rank=30,
     linear=True,
+    synonyms=(
+        "length",
+        "dh_parameters",
+        "geometry",
+    ),
 )

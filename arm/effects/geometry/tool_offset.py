@@ -69,4 +69,9 @@ TOOL_OFFSET = Effect(
     rank=100,
     linear=True,
     recording=RecordingTraits(free_with="tool"),
+    synonyms=(
+        "tcp",
+        "tcp_offset",
+        "tool",
+    ),
 )

@@ -99,4 +99,8 @@ LINK_MASS = Effect(
     rank=250,
     linear=True,
     recording=RecordingTraits(told_as=Sum("first_moment", _factors, beside="mass")),
+    synonyms=(
+        "link_weight",
+        "link_load",
+    ),
 )

@@ -67,4 +67,11 @@ PAYLOAD = Effect(
     watch=WatchTraits(lasts="a recording"),
     rank=50,
     linear=True,
+    synonyms=(
+        "tip_mass",
+        "tool_mass",
+        "tip_load",
+        "load",
+        "extra_mass",
+    ),
 )

@@ -80,4 +80,9 @@ BACKLASH = Effect(
     watch=WatchTraits(lasts="a while", always=True),
     rank=40,
     linear=True,
+    synonyms=(
+        "play",
+        "lost_motion",
+        "hysteresis",
+    ),
 )

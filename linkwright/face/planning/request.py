@@ -314,7 +314,7 @@ def place_of(name: str, arm: Arm) -> Place:
     """An effect and where it acts (from 0), of `backlash:2`; everywhere without a number. Raises `InputError`."""
     effect, _, number = str(name).strip().partition(":")
     if effect not in EFFECTS:
-        raise InputError("", "for_", f"there is no effect {shown(effect)}{nearest(effect, list(EFFECTS))}")
+        raise InputError("", "for_", f"there is no effect {shown(effect)}{nearest(effect, EFFECTS)}")
     if not number:
         return effect, ()
     if not number.isdigit() or not 1 <= int(number) <= arm.model.size:

@@ -13,6 +13,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import linkwright as lw
 from handbook.effects import PAGE, effect_page
 from linkwright.cli import run
 from linkwright.core.arm.chain.chain import EffectEntry
@@ -22,8 +23,10 @@ from linkwright.core.arm.effects import EFFECTS, Effect, Settings, kind_at
 from linkwright.core.arm.errors.tip import active_effects, carried_to_tip, tip_error
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.files.write import arm_to_yaml
+from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, format_quantity
 from linkwright.core.units.units import kinds
+from linkwright.face.planning.request import place_of
 from tests.arm.builders import arm_of, rod_lines
 from tests.arm.effects.effect_states import Posed, moved, planar, spatial
 
@@ -350,6 +353,24 @@ def test_what_the_arm_has_data_for_may_be_named_without_a_size(tmp_path: Path) -
     )
     (entry,) = arm_of(text, tmp_path).effects
     assert (entry.effect, entry.at, dict(entry.parameters)) == ("backlash", (1,), {})
+
+
+def test_what_people_call_an_effect_leads_to_it_alone() -> None:
+    """In the line that refuses the name, of a plan too."""
+    called = [synonym for effect in EFFECTS.values() for synonym in effect.synonyms]
+    assert len(called) == len(set(called))
+    assert not set(called) & set(EFFECTS)
+    for effect in EFFECTS.values():
+        for synonym in effect.synonyms:
+            assert nearest(synonym, EFFECTS) == f"; did you mean '{effect.id}'?"
+    with pytest.raises(InputError, match="there is no effect 'tip_mass'; did you mean 'payload'"):
+        place_of("tip_mass:1", lw.Arm.of(planar(2).arm))
+
+
+def test_a_difference_is_not_called_what_it_is_a_difference_of() -> None:
+    """Of a link that is longer by 0.8 mm nobody should read that 0.8 mm is its length."""
+    titles = [parameter.title for parameter in EFFECTS["link_length"].parameters]
+    assert titles[:2] == ["longer by", "further along x by"]
 
 
 def test_what_links_share_and_what_an_encoder_sees() -> None:
