@@ -72,7 +72,7 @@ class Cells:
 
 def read_cells(path: Path | str) -> Cells:
     """The cells of a table. Raises `InputError`."""
-    text = workbook_text(path, None) if is_workbook(path) else read_text(path)
+    text = workbook_text(path, None).lstrip("\n") if is_workbook(path) else read_text(path)
     reader = csv.DictReader(io.StringIO(text, newline=""), strict=True)
     results: list[tuple[str, dict[str, str] | None]] = []
     try:

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from openpyxl import Workbook
 
 from linkwright.core.arm.files.read import read_arm
+from linkwright.core.catalogues.csv_table import read_cells
 from linkwright.core.catalogues.materials import MATERIALS
 from linkwright.core.diagnose.reading.read import read_recording
 from linkwright.core.units.quantities import InputError
@@ -47,9 +48,16 @@ def test_a_recording_in_a_workbook_is_the_one_in_text(tmp_path: Path):
 def test_cells_as_text(tmp_path: Path):
     row = [1 / 3, -7, True, None, datetime.datetime(2026, 5, 16, 8, 30), " a,\n b "]
     path = saved(tmp_path / "a.xlsx", ["a", "b", "c", "d", "e", "f"], [], row)
-    expected = f'a,b,c,d,e,f\n{1 / 3!r},-7,1,,2026-05-16T08:30:00,"a, b"\n'
+    expected = f'a,b,c,d,e,f\n\n{1 / 3!r},-7,1,,2026-05-16T08:30:00,"a, b"\n'
     assert workbook_text(path) == expected
-    assert workbook_text(path, decimal=",").splitlines()[1].startswith('"0,333')
+    assert workbook_text(path, decimal=",").splitlines()[2].startswith('"0,333')
+
+
+def test_a_blank_row_keeps_its_line(tmp_path: Path):
+    """So that lines are those of the sheet; a list may begin below one."""
+    path = saved(tmp_path / "a.xlsx", [], ["a", "b"], [], [1, 2], [])
+    assert workbook_text(path) == "\na,b\n\n1,2\n"
+    assert read_cells(path).headings == ("a", "b")
 
 
 def test_which_sheet(tmp_path: Path):

@@ -55,7 +55,8 @@ def is_workbook(path: Path | str) -> bool:
 
 
 def workbook_text(path: Path | str, sheet: str | None = "", decimal: str = ".") -> str:
-    """The cells of a sheet as comma-separated text, without the blank rows and columns after the last that is filled.
+    """The cells of a sheet as comma-separated text, a line each row (an empty one for a blank row), without the blank
+    rows and columns after the last that is filled.
 
     `sheet` names it; it may be missing where one sheet alone has rows of numbers (or is filled at all), and is None
     where nobody could name it: a table without settings. Numbers are written with `decimal`, to the last digit; dates
@@ -92,7 +93,7 @@ def _text_of(path: Path | str, content: bytes, sheet: str | None, decimal: str) 
         decimal = ","
     width = max(len(row) for row in rows)
     writer = csv.writer(stream, lineterminator="\n")
-    writer.writerows([_cell(cell, decimal) for cell in row] + [""] * (width - len(row)) for row in rows)
+    writer.writerows([_cell(cell, decimal) for cell in row] + [""] * (width - len(row)) if row else [] for row in rows)
     return stream.getvalue()
 
 
@@ -112,9 +113,9 @@ def _sheet_of(path: Path | str, tables: dict[str, list[list[Any]]], *, ask: bool
 
 
 def _rows(path: Path | str, sheet: Any) -> Iterator[list[Any]]:
-    """The rows that hold anything, each to its last filled cell."""
+    """The rows to the last that holds anything, each to its last filled cell."""
     sheet.reset_dimensions()  # what a file says of its size need not be true
-    seen = 0
+    seen = blank = 0
     for row in sheet.iter_rows(values_only=True):
         seen += len(row)
         if seen > _MOST_CELLS:
@@ -123,7 +124,9 @@ def _rows(path: Path | str, sheet: Any) -> Iterator[list[Any]]:
         while cells and cells[-1] in (None, ""):
             cells.pop()
         if cells:
+            yield from ([] for _ in range(blank))
             yield cells
+        blank = 0 if cells else blank + 1
 
 
 def _commas_in_text(rows: list[list[Any]]) -> bool:

@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import chain
+from itertools import chain, islice
 from pathlib import Path
 from types import MappingProxyType
 
@@ -203,9 +203,8 @@ def text_table(path: Path, layout: Layout, text: str) -> Table:
     if "\0" in text:
         raise refusal(path, "", "is no plain text: it holds NUL bytes; is it UTF-16?", {"encoding": "utf-16"})
     notes: list[str] = []
-    if not layout.names and (titles := _titles(text, layout)):
-        notes.append(f"The header stands in line {layout.skip_rows + titles + 1}. Lines above the header are not used.")
-        layout = replace(layout, skip_rows=layout.skip_rows + titles)
+    titles = 0 if layout.names else _titles(text, layout)
+    layout = replace(layout, skip_rows=layout.skip_rows + titles)
     kept, first, named = _lines(path, text, layout)
     if not first:
         raise InputError(path, "", "is empty; it needs a header (time_s, q1_deg, .., x_mm, y_mm) and a row a reading")
@@ -215,6 +214,11 @@ def text_table(path: Path, layout: Layout, text: str) -> Table:
     if decimal == "," and not layout.decimal:
         notes.append("Numbers have decimal commas.")
     header, body, more = _headed(path, rows, layout, decimal)
+    if titles:
+        head, begins = (_line_of(text, layout, number) for number in (1, 1 + len(rows) - len(body)))
+        notes.insert(
+            0, f"The header stands in line {head}. Lines above the header are not used. Row 1 is line {begins}."
+        )
     header, body = _trimmed(header, body)
     good = [index for index, cells in enumerate(body) if len(cells) == len(header)]
     if not good:
@@ -375,6 +379,13 @@ def _lines(path: Path, text: str, layout: Layout) -> tuple[Iterator[str], str, s
         else:
             return chain([line], counting), line, separator
     return counting, "", separator
+
+
+def _line_of(text: str, layout: Layout, number: int) -> int:
+    """Where (from 1) the line stands that is the `number`th of those that count, as an editor shows it."""
+    lines = enumerate((item[0] for item in _LINE.finditer(text)), start=1)
+    there = (k for k, line in lines if k > layout.skip_rows and line.strip() and not _passed_over(line, layout))
+    return next(islice(there, number - 1, None))
 
 
 def _separator(header: str) -> str:

@@ -76,6 +76,9 @@ def test_a_workbook_of_another_language(tmp_path, header):
     assert all(by_header[name].guessed == (header is FINNISH) for name in header[2:4])
     (tmp_path / "recording.yaml").write_text(proposal.settings)
     result = read_recording(path, ARM)
+    # As a spreadsheet numbers them, the blank line below the title too.
+    said = "The header stands in line 3. Lines above the header are not used. Row 1 is line 4."
+    assert said in result.warnings
     assert result.q == pytest.approx(ANGLES, abs=1e-6)
     assert result.tip == pytest.approx(TIPS, abs=1e-9)
     assert np.unique(result.sides).tolist() == [-1.0, 1.0]

@@ -100,7 +100,8 @@ def test_titles_as_a_spreadsheet_writes_them(tmp_path, units):
     result = read(tmp_path, "\n".join(lines), columns)
     assert result.tip == pytest.approx(TIPS, abs=1e-7)
     assert result.row.tolist() == list(range(1, 31))
-    assert "The header stands in line 4. Lines above the header are not used." in result.warnings
+    said = f"The header stands in line 4. Lines above the header are not used. Row 1 is line {6 if units else 5}."
+    assert said in result.warnings
     assert ("The header has a second line, with units." in result.warnings) == bool(units)
 
 
