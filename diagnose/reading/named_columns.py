@@ -19,7 +19,7 @@ from .foreign.clock import has_stamps, iso_stamp
 from .foreign.header_units import alone_in_unit
 from .foreign.mapped import plain_headers, taken_for_ours
 from .formula import Formula, read_condition, read_formula
-from .read_column import ReadColumn
+from .read_column import Headers, ReadColumn
 from .settings import ReadingSettings
 from .table import Table
 
@@ -145,7 +145,9 @@ class _Naming:
         hint = nearest(header, _known_headers(self.arm))
         meant = hint if hint.startswith("; did") else ". It is kept as it is."
         if header in self.asked and not hint.startswith("; did"):
-            meant = f". Is it the {self.asked[header].partition('_')[0]}? Write {self.asked[header]} in its place."
+            ours = self.asked[header]
+            write = Headers({}, {}, tuple(self.held.columns), self.held.file).write({"columns": {ours: f"`{header}`"}})
+            meant = f". Is it the {ours.partition('_')[0]}? Then {write}."
         self.warnings.append(f"{header} is no column that is known here{meant}")
 
 

@@ -41,8 +41,8 @@ _OF_A_POSE = re.compile(r".*(?:pose|point|transform|target)[./](?:position|trans
 _WORDS = MappingProxyType(
     {
         "payload": re.compile(
-            r"^(payload|load|mass|weight|last|masse|gewicht|traglast|nutzlast|charge|carga|masa|carico|massa|"
-            r"obciążenie|ładunek|belasting|zátěž)([/.]data)?$"
+            r"^(payload|load|mass|weight|last|masse|gewicht|traglast|nutzlast|zuladung|charge|poids|carga|masa|peso|"
+            r"carico|massa|obciążenie|ładunek|belasting|zátěž)(?: mass| [uú]tile?)?([/.]data)?$"
         ),
         "temperature": re.compile(r"^(temp|temperature?|température|temperatura|t[\s_-]?amb|ambient)([\s_/.].*)?$"),
         "z": re.compile(r"^(height|höhe|hoehe|hauteur|altura|altezza)$"),

@@ -201,9 +201,14 @@ def test_of_two_columns_in_kg_none_is_the_payload(tmp_path):
 
 
 def test_a_column_in_kg_is_asked_for(tmp_path):
-    """A recording of a tip takes no guess for granted."""
-    said = read(tmp_path, with_columns("Kuorma [kg]")).warnings
-    assert any("Kuorma [kg] is no column that is known here. Is it the payload? Write payload_kg" in x for x in said)
+    """A recording of a tip takes no guess for granted; what the question says to write answers it."""
+    asked = "Kuorma [kg] is no column that is known here. Is it the payload? Then"
+    said = " ".join(read(tmp_path, with_columns("Kuorma [kg]")).warnings)
+    assert f"{asked} write `columns: {{payload_kg: '`Kuorma [kg]`'}}` in recording.yaml." in said
+    result = read(tmp_path, with_columns("Kuorma [kg]"), "columns: {payload_kg: '`Kuorma [kg]`'}")
+    assert result.payload_mass is not None
+    said = " ".join(read(tmp_path, with_columns("Kuorma [kg]"), "columns: {q1_deg: q1_deg}").warnings)
+    assert f'{asked} in `columns` of recording.yaml add payload_kg: "`Kuorma [kg]`".' in said
 
 
 MAP = "columns: {q1_deg: A 1, q2_deg: A 2}\n"
