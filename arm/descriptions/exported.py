@@ -383,11 +383,11 @@ _AWAY = 1e-6
 
 
 def unlike(meant: Arm, path: Path) -> Iterator[str]:
-    """What a URDF says otherwise than the arm that was meant: how many joints it has, where its tips and what is down
-    are at poses spread over the ranges, however its base is turned, and what moves of its weight; nothing where it is
-    the same. Raises `InputError`."""
-    tips = [f"{branch.name}_tip" for branch in meant.branches] or ["tip"]
-    back = import_robot(path, tip=tips).arm
+    """What a URDF says otherwise than the arm that was meant, with what its effects say of frames and weights: how many
+    joints it has, where its tips and what is down are at poses spread over the ranges, however its base is turned, and
+    what moves of its weight; nothing where it is the same. Raises `InputError`."""
+    meant = identified_geometry(meant)
+    back = import_robot(path, tip=names_of(meant).tips).arm
     if meant.size != back.size:
         yield f"it had {meant.size} joints and reads {back.size}"
         return
@@ -415,5 +415,11 @@ def _mass(arm: Arm) -> float | None:
     """What all that moves weighs, kg; None where a link's mass is not known."""
     if of_unknown_mass(arm):
         return None
-    beside = arm.carried_mass + arm.payload.mass - arm.joints[0].mass - sum(joint.motor_on_base for joint in arm.joints)
-    return sum(link_masses(beams_of(arm))) + beside
+    first = arm.joints[0]  # one that turns stands on the base, a slide's mass rides on it
+    still = (first.mass if first.revolute else 0.0) + (0.0 if first.guide is None else first.guide.mass)
+    still += sum(joint.motor_on_base for joint in arm.joints)
+    beams, added = beams_of(arm), added_parameters(arm)
+    # What was found of a link's weight that no body has is in no file.
+    bodies = (masses_on_link(arm, index, beam).whole for index, beam in enumerate(beams))
+    more = (float(row[0]) for body, row in zip(bodies, added, strict=True) if heavier(body, row) is not None)
+    return sum(link_masses(beams)) + arm.carried_mass + arm.payload.mass - still + sum(more)
