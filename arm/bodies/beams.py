@@ -21,15 +21,27 @@ class PropertyNeeded(MissingProperty):
         return PropertyNeeded, (self.message,)
 
 
-def mass_needed(arm: Arm, index: int, why: str) -> str:
-    """That the mass of a link (from 0) is not known, where its key stands and what would do."""
+class MassNeeded(PropertyNeeded):
+    """A question needs what a link (from 0) of unknown mass weighs, and `why`; in the words of an arm file.
+
+    `what` says it without a format's words, `link` is the link's name, `beyond` what else would do.
+    """
+
+    def __init__(self, arm: Arm, index: int, why: str, beyond: str = "") -> None:
+        self.what, self.link, self.beyond = _mass_unknown(arm, index, why), arm.links[index].name, beyond
+        self._given = arm, index, why, beyond
+        super().__init__(f"{arm.entry(index)}.link.mass: {self.what}; write mass: 12 kg, say{beyond}")
+
+    def __reduce__(self) -> tuple[object, ...]:
+        """Keep the fields when the error crosses between processes."""
+        return MassNeeded, self._given
+
+
+def _mass_unknown(arm: Arm, index: int, why: str) -> str:
     others = [k + 1 for k, link in enumerate(arm.links) if link.section is None and link.mass is None and k != index]
     name = f", {arm.links[index].name}," if arm.links[index].name else ""
     also = f" (of link{'s' * (len(others) > 1)} {', '.join(map(str, others))} too)" if others else ""
-    return (
-        f"{arm.entry(index)}.link.mass: the mass of link {index + 1}{name} is unknown{also}, and {why}; "
-        "write mass: 12 kg, say"
-    )
+    return f"the mass of link {index + 1}{name} is unknown{also}, and {why}"
 
 
 def beam_of(arm: Arm, index: int, *, shear: bool = False, calibrated_at: float | None = None) -> Beam:
@@ -41,7 +53,7 @@ def beam_of(arm: Arm, index: int, *, shear: bool = False, calibrated_at: float |
     link = arm.links[index]
     if link.section is None:
         if link.mass is None:
-            raise PropertyNeeded(mass_needed(arm, index, "this needs its weight"))
+            raise MassNeeded(arm, index, "this needs its weight")
         center = 0.5 * link.length if link.center_of_mass is None else link.center_of_mass
         return Beam(length=link.length, lumped_mass=link.mass, lumped_at=center)
     if link.material is None:

@@ -16,7 +16,7 @@ from .reading.elements import read_elements
 from .reading.mjcf import mjcf_tree
 from .reading.tree import Robot, TreeJoint
 from .reading.urdf import urdf_tree
-from .way import Way, plain, way_to
+from .way import INERTIAL, Way, plain, way_to
 
 
 def import_robot(path: Path | str, *, base: str | None = None, tip: str | Sequence[str] | None = None) -> Imported:
@@ -39,6 +39,16 @@ def import_robot(path: Path | str, *, base: str | None = None, tip: str | Sequen
         made = Way(robot, start, ends[0], chains[0]).made()
         return replace(made, notes=(*made.notes, note)) if note else made
     return _several(robot, start, ends, chains)
+
+
+def weight_to_write(path: Path, link: str) -> str:
+    """What to write into a URDF or MJCF that does not say what a link weighs. Raises `InputError`."""
+    top = read_elements(path)
+    if top.tag != "mujoco":
+        return f'write <inertial> <mass value="1.2"/> ... </inertial> (kg) into link {link}'
+    robot = mjcf_tree(top)
+    files = ", ".join(dict.fromkeys(robot.links[link].unread if link in robot.links else ()))
+    return f"write {INERTIAL} into body {link}{f' ({files} is not there as a closed STL)' if files else ''}"
 
 
 def _several(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Sequence[TreeJoint]]) -> Imported:
@@ -90,6 +100,7 @@ def _several(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Seq
         _together([way.lacking for way in ways], numbers),
         tuple(dict.fromkeys(said for way in ways for said in way.lost)),
         tuple(dict.fromkeys(doubt for way in ways for doubt in way.doubts)),
+        tuple(dict.fromkeys(said for way in ways for said in way.unread)),
     )
 
 

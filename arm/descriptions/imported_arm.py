@@ -25,7 +25,8 @@ class Imported:
     """An arm from another description: which joints and links of it are the arm's, what was decided, what is lacking.
 
     `joint_names` and `link_names` are those of the file, from the base out; `notes` say what was folded or held, `lost`
-    what of the file an arm file has no place for, `doubts` which of its weights no body of that size has.
+    what of the file an arm file has no place for, `doubts` which of its weights no body of that size has. `unread`
+    repeats of the notes those on meshes that are not there, without which weights are unknown or guessed.
     """
 
     arm: Arm
@@ -38,6 +39,7 @@ class Imported:
     lacking: tuple[Lacking, ...]
     lost: tuple[str, ...] = ()
     doubts: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()
 
     def to_yaml(self) -> str:
         """The arm file, with what is lacking, doubtful or not carried as comments."""

@@ -44,6 +44,8 @@ _ENDLESS = 100.0
 _ON_LINE = 1e-12
 _ACROSS = 0.5
 """Of a link's length, what lies across it at most where the link is taken along its longest axis."""
+INERTIAL = '<inertial pos="0.1 0 0" mass="1.2" diaginertia="0.01 0.01 0.01"/>'
+"""What an MJCF says of a body's weight, say."""
 _OF_A_DRIVE = (
     ("friction", "friction", "N*m or N"),
     ("damping", "damping", "N*m*s/rad or N*s/m"),
@@ -78,6 +80,8 @@ class Body:
     flange: Frame | None = None
     links: list[tuple[str, Frame]] = field(default_factory=list[tuple[str, Frame]])
     without_inertia: list[str] = field(default_factory=list[str])
+    unplaced: float = 0.0
+    """kg; what of it weighs so much nobody knows where."""
     beside: FloatVector = ZERO
     """Where its joint stands beside the end of the link before, m."""
 
@@ -123,6 +127,9 @@ class Way:
                 onward, rest = _straight(onward)
                 bodies[index + 1].beside = rest
                 askew += [_askew(body, onward, rest)] if norm(rest) > 0.0 else []
+            if body.unplaced:
+                body.masses.append(Mass(body.unplaced, 0.5 * np.array(onward[1], dtype=float), np.zeros((3, 3))))
+                body.without_inertia.append(body.joint.child)
             links.append(_link(body, joint, onward, last=last, unknown=index in unknown))
         tool = ZERO
         last = bodies[-1]
@@ -153,11 +160,24 @@ class Way:
             self.end,
             tuple(body.joint.name for body in bodies),
             tuple(body.joint.child for body in bodies),
-            tuple(self.notes),
+            (*self.notes, *(meshes := tuple(self._unread(bodies, unknown)))),
             self._lacking(bodies, unknown),
             self._lost(bodies),
             doubts_of(self.robot, [(body.links, body.whole) for body in bodies], arm.lengths),
+            meshes,
         )
+
+    def _unread(self, bodies: list[Body], unknown: frozenset[int]) -> Iterator[str]:
+        """What stands for the weights of links whose meshes are not there, and what to write."""
+        for index, body in enumerate(bodies):
+            for name, _ in body.links:
+                link = self.robot.links[name]
+                if not link.unread:
+                    continue
+                stands = f"is {link.unplaced:.6g} kg as the file has it, and counts at the middle of link {index + 1}"
+                stands = "is unknown" if index in unknown else stands
+                lead = f"Not there as a closed STL: {', '.join(dict.fromkeys(link.unread))}"
+                yield f"{lead}. The weight of {name} {stands}; write {INERTIAL} into body {name}"
 
     def _following(self, urdf: TreeJoint, mimic: Mimic, joint: Joint, bodies: list[Body], joints: list[Joint]) -> Joint:
         """A joint that mimics one nearer the base; of one that itself mimics, what that follows."""
@@ -222,6 +242,7 @@ class Way:
             name, frame = pending.pop()
             body.links.append((name, frame))
             inertial = self.robot.links[name].inertial
+            body.unplaced += self.robot.links[name].unplaced
             if inertial is not None and inertial.mass > 0.0:
                 place, axes = onward(frame, (IDENTITY, inertial.center))[1], np.array(frame[0], dtype=float)
                 inertia = np.zeros((3, 3)) if inertial.inertia is None else axes @ inertial.inertia @ axes.T
@@ -257,7 +278,7 @@ class Way:
         unknown: list[int] = []
         for index, body in enumerate(bodies):
             weighed = [self.robot.links[name].weighed for name, _ in body.links]
-            said = bool(body.masses) or (frames and not drawn[index]) or all(weighed)
+            said = bool(body.masses) or body.unplaced > 0.0 or (frames and not drawn[index]) or all(weighed)
             unknown += [index] if False in weighed or not said else []
         return frozenset(unknown)
 

@@ -12,7 +12,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from linkwright.core.arm.bodies.beams import PropertyNeeded, mass_needed
+from linkwright.core.arm.bodies.beams import MassNeeded
 from linkwright.core.arm.chain.arrays import columns
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.chain.statics import PoseState, solve
@@ -43,7 +43,7 @@ def without_unknown(arm: Arm, unknown: Sequence[int]) -> Arm:
 def unknown_taken_out(arm: Arm, loads: Sequence[LoadCase] = ()) -> Arm:
     """The arm with its links of unknown mass weightless, where that changes nothing of its tip's error.
 
-    Raises `PropertyNeeded` where it would: it names the link and what gives under it.
+    Raises `MassNeeded` where it would: it names the link and what gives under it.
     """
     unknown = of_unknown_mass(arm)
     if not unknown:
@@ -60,8 +60,7 @@ def unknown_taken_out(arm: Arm, loads: Sequence[LoadCase] = ()) -> Arm:
         for active in active_effects(remaining):
             if any(_differ(remaining, heavier, active, q, case) for case in cases):
                 why = f"{_named(active)} moves the tip by its weight"
-                reason = mass_needed(arm, link, why)
-                raise PropertyNeeded(f"{reason}, or take what a diagnosis finds of it")
+                raise MassNeeded(arm, link, why, ", or take what a diagnosis finds of it")
     return bare
 
 

@@ -166,10 +166,18 @@ def as_options() -> Generator[None]:
 @contextmanager
 def asked_of(file: Path) -> Generator[None]:
     """Turn what the arm of a file lacks into wrong input that names the file."""
-    from linkwright.core.arm.bodies.beams import PropertyNeeded
+    from linkwright.core.arm.bodies.beams import MassNeeded, PropertyNeeded
     from linkwright.core.arm.effects.thermal.thermal_expansion import ThermalExpansionMissing
 
     try:
         yield
+    except MassNeeded as error:
+        from linkwright.face.arm import DESCRIPTIONS
+
+        if file.suffix.lower() not in DESCRIPTIONS:
+            raise InputError(file, "", str(error)) from None
+        from linkwright.core.arm.descriptions.imported import weight_to_write
+
+        raise InputError(file, "", f"{error.what}; {weight_to_write(file, error.link)}{error.beyond}") from None
     except (PropertyNeeded, ThermalExpansionMissing) as error:
         raise InputError(file, "", str(error)) from None

@@ -28,7 +28,7 @@ if TYPE_CHECKING:
 
     from linkwright.core.arm.evaluation import Evaluation
 
-_XML = (".urdf", ".xml", ".mjcf", ".xacro")
+DESCRIPTIONS = (".urdf", ".xml", ".mjcf", ".xacro")
 """Endings of files that are read as URDF or MJCF; one that is neither is refused by name."""
 
 
@@ -106,6 +106,8 @@ class Arm:
     catalogue: File | None = field(compare=False)
     learned: tuple[tuple[float, float], ...] | None = field(compare=False)
     """The joint coordinates (rad, m; least and greatest) of the recording that a corrected arm was learned from."""
+    unread: tuple[str, ...] = field(compare=False)
+    """What stands for weights of an MJCF whose meshes are not there, a sentence each."""
     _given: Mapping[str, Any] | None = field(compare=False)
 
     def __init__(self, chain: Iterable[object] = (), *, catalogue: File | None = None, **keys: object) -> None:
@@ -113,7 +115,7 @@ class Arm:
             message = f"is the joints and links; an arm file is read by lw.read_arm({str(chain)!r})"
             raise InputError("Arm", "chain", message)
         content: dict[str, Any] = plain({**keys, "chain": [_entry(item) for item in chain]})
-        self._fill(_read(content, catalogue), content, catalogue, None)
+        self._fill(_read(content, catalogue), content, catalogue, None, ())
 
     def _fill(
         self,
@@ -121,12 +123,14 @@ class Arm:
         content: Mapping[str, Any] | None,
         catalogue: File | None,
         learned: tuple[tuple[float, float], ...] | None,
+        unread: tuple[str, ...],
     ) -> None:
         for name, value in (
             ("model", model),
             ("_given", None if content is None else MappingProxyType(dict(content))),
             ("catalogue", catalogue),
             ("learned", learned),
+            ("unread", unread),
         ):
             object.__setattr__(self, name, value)
 
@@ -137,10 +141,11 @@ class Arm:
         content: Mapping[str, Any] | None = None,
         catalogue: File | None = None,
         learned: tuple[tuple[float, float], ...] | None = None,
+        unread: tuple[str, ...] = (),
     ) -> Arm:
         """An arm of what the project computes with; `content` is the arm file that it was read from, if any."""
         made = cls.__new__(cls)
-        made._fill(model, content, catalogue, learned)
+        made._fill(model, content, catalogue, learned, unread)
         return made
 
     @property
@@ -253,10 +258,11 @@ def read_arm(path: File, *, catalogue: File | None = None, tip: str | None = Non
     <Arm: cathode-bus welding arm, 3 joints, reach 1270 mm>
     """
     path = path_of(path, "arm", "an Arm")
-    if path.suffix.lower() in _XML:
+    if path.suffix.lower() in DESCRIPTIONS:
         from linkwright.core.arm.descriptions.imported import import_robot
 
-        return Arm.of(import_robot(path, tip=tip or None).arm, catalogue=catalogue)
+        imported = import_robot(path, tip=tip or None)
+        return Arm.of(imported.arm, catalogue=catalogue, unread=imported.unread)
     mapping = load_yaml(path)
     model = arm_from(mapping, catalogue_of(catalogue), tip=tip)
     return Arm.of(model, mapping.content, catalogue, _learned(path, model))

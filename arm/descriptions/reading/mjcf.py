@@ -225,21 +225,35 @@ class _Reading:
         """A link with the weight that the compiler gives its body, which stands at `here` in it."""
         from_geoms = self.words.compiler.get("inertiafromgeom", "auto")
         inertial_element, whole = body.one("inertial"), None
-        weighed = True
+        weighed, unread, unplaced = True, list[str](), 0.0
         geoms = [
             (item, self.words.attributes(item, class_), placed) for item, class_, placed in parts if item.tag == "geom"
         ]
         if inertial_element is not None and from_geoms != "true":
             whole = self._inertial(inertial_element)
         elif from_geoms != "false":
-            masses = [self._of_geom(geom, entry, placed) for geom, entry, placed in geoms if self._counts(geom, entry)]
-            weighed = None not in masses
+            counted = [(geom, entry, placed) for geom, entry, placed in geoms if self._counts(geom, entry)]
+            masses = [self._of_geom(*item) for item in counted]
             whole = together(mass for mass in masses if mass is not None)
+            for (geom, entry, placed), mass in zip(counted, masses, strict=True):
+                if mass is not None:
+                    continue
+                mesh = self._unread_mesh(self._shape(geom, entry, placed))
+                unread += [] if mesh is None else [mesh]
+                weighed = weighed and mesh is not None and "mass" in entry
+                unplaced += float(numbers(geom, entry.get("mass", "0"), 1)[0])
         beside = [item.tag for item, _, _ in parts if item.tag not in _OF_A_BODY]
         beside += ["gravcomp"] if body.number("gravcomp", 0.0) else []
-        whole = self._bounded(whole) if weighed else None
-        inertial = None if whole is None else _placed(whole, here)
-        return TreeLink(inertial, self._shapes(geoms, here), tuple(beside), weighed)
+        if not unplaced:
+            whole = self._bounded(whole)
+        inertial = _placed(whole, here) if weighed and whole is not None else None
+        shapes = self._shapes(geoms, here)
+        return TreeLink(inertial, shapes, tuple(beside), weighed, tuple(unread), unplaced if weighed else 0.0)
+
+    def _unread_mesh(self, shape: Shape) -> str | None:
+        """The file of a mesh that is not there as a closed STL; None of any other shape."""
+        made = solid(shape, self.file) if shape.kind == "mesh" else None
+        return shape.file if shape.kind == "mesh" and (made is None or made.volume is None) else None
 
     def _shapes(self, geoms: Sequence[tuple[Element, Mapping[str, str], Array]], here: Array) -> tuple[Shape, ...]:
         """What a body is drawn by: geoms that collide with nothing, where it has such."""
@@ -367,10 +381,12 @@ class _Reading:
         if held == 0.0 or any(link.weighed is False for link in self.links.values()):
             raise InputError(self.file, "compiler", "has settotalmass, but what some bodies weigh is not known")
         for name, link in self.links.items():
+            share = total / held
+            link = replace(link, unplaced=share * link.unplaced)
             if (inertial := link.inertial) is not None:
-                share = total / held
                 tensor = None if inertial.inertia is None else share * inertial.inertia
-                self.links[name] = replace(link, inertial=Inertial(share * inertial.mass, inertial.center, tensor))
+                link = replace(link, inertial=Inertial(share * inertial.mass, inertial.center, tensor))
+            self.links[name] = link
 
 
 def _fixed(name: str, parent: str, child: str, at: Array, element: Element) -> TreeJoint:

@@ -73,17 +73,20 @@ class Shape:
 @dataclass(frozen=True)
 class TreeLink:
     """A link: its weight (None where the file says nothing of it), what it is drawn by, and the tags of what else
-    stands in it. `weighed`: whether the file says what it weighs, be it nothing; None where formats leave that open."""
+    stands in it. `weighed`: whether the file says what it weighs, be it nothing; None where formats leave that open.
+    `unread` are the meshes without which nobody knows where its weight is, `unplaced` (kg) what of it that is."""
 
     inertial: Inertial | None
     shapes: tuple[Shape, ...]
     beside: tuple[str, ...]
     weighed: bool | None = None
+    unread: tuple[str, ...] = ()
+    unplaced: float = 0.0
 
     @property
     def mass(self) -> float:
         """The mass (kg) that the file gives it, 0 where it says nothing."""
-        return 0.0 if self.inertial is None else self.inertial.mass
+        return self.unplaced + (0.0 if self.inertial is None else self.inertial.mass)
 
 
 @dataclass(frozen=True)

@@ -9,6 +9,8 @@ from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 
+from linkwright.core.arm.chain.chain import Arm as Model
+from linkwright.core.arm.errors.unknown_mass import of_unknown_mass, without_unknown
 from linkwright.core.diagnose.motion.log import TORQUE, MotionLog
 from linkwright.core.diagnose.motion.reading.read import holds_motion, is_motion_log, logs_from, table_of_log
 from linkwright.core.diagnose.motion.written import log_columns
@@ -72,7 +74,19 @@ def _read(pairs: Sequence[tuple[object, File | None]], arm: Arm) -> list[Log]:
             tables.append((table_of(cast(Any, given), "DataFrame"), read_settings(held)))
         else:
             tables.append(table_of_log(str(given), held))
-    return [Log(arm, log) for log in logs_from(tables, arm.model)]
+    said = [f"{sentence}." for sentence in arm.unread]
+    if unknown := of_unknown_mass(arm.model):
+        links = ", ".join(str(index + 1) for index in unknown)
+        said.append(
+            f"The mass of link{'s' * (len(unknown) > 1)} {links} is unknown. It counts as 0 kg, also in the arm file "
+            "that is written, and what is identified of its weight is all of it."
+        )
+    return [Log(arm, log.saying(*said)) for log in logs_from(tables, weighed(arm.model))]
+
+
+def weighed(arm: Model) -> Model:
+    """The arm that motion logs are set against: links of unknown mass weigh nothing, and the logs tell what they do."""
+    return without_unknown(arm, of_unknown_mass(arm))
 
 
 def logs_of(given: object, arm: Arm, settings: File | Sequence[File] | None = None) -> tuple[Log, ...]:

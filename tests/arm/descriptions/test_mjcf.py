@@ -200,6 +200,31 @@ def test_a_mesh_that_is_not_there_leaves_the_mass_unknown(tmp_path):
     result = import_robot(write(tmp_path, text))
     assert result.arm.links[0].mass is None
     assert [item.at for item in result.lacking if item.what == "mass of links"] == [(1,)]
+    (said,) = result.unread
+    assert said in result.notes
+    assert "gone.stl" in said
+    assert "The weight of link is unknown; write <inertial pos=" in said
+
+
+def test_the_mass_that_a_geom_gives_to_a_mesh_that_is_not_there_counts(tmp_path):
+    """At the middle of its link, beside what is known of where it is; where all is guessed, as a slender rod."""
+    text = """
+    <mujoco><asset><mesh file="gone.stl"/></asset><worldbody><body name="link"><joint name="a" axis="0 1 0"/>
+      <geom type="mesh" mesh="gone" mass="1.5"/>{}<site name="tip" pos="0.3 0 0"/></body></worldbody></mujoco>"""
+    alone = import_robot(write(tmp_path, text.format("")))
+    (link,) = alone.arm.links
+    assert (link.mass, link.center_of_mass, link.inertia) == (1.5, 0.15, None)
+    (said,) = alone.unread
+    assert "gone.stl" in said
+    assert "is 1.5 kg as the file has it, and counts at the middle of link 1; write <inertial pos=" in said
+    assert not [item for item in alone.lacking if item.what == "mass of links"]
+    assert [item.at for item in alone.lacking if item.what == "inertia of links"] == [(1,)]
+    beside = import_robot(write(tmp_path, text.format('<geom size="0.05" pos="0 0 0.2" mass="0.5"/>'))).arm
+    still = np.zeros((1, 1))
+    torque = inverse_dynamics(Motion(beside, np.zeros(1), still, still, still))
+    assert float(torque[0, 0]) == pytest.approx(-9.81 * 1.5 * 0.15)
+    shared = text.replace("<asset>", '<compiler settotalmass="6"/><asset>')
+    assert import_robot(write(tmp_path, shared.format(""))).arm.links[0].mass == pytest.approx(6.0)
 
 
 def test_included_files_and_ties(tmp_path):

@@ -92,3 +92,24 @@ def test_without_weights_commands_say_which_are_needed(linkwright, empty):
     status, out, _ = linkwright("export", "arm.yaml", "--to", "urdf")
     assert status == 0
     assert "links of unknown mass" in " ".join(out.split())
+
+
+MESHES = """<mujoco><asset><mesh file="boom.stl"/></asset><worldbody><body name="post"><joint name="slew"/>
+  <inertial pos="0 0 0.2" mass="3" diaginertia="0.1 0.1 0.1"/><body name="boom" pos="0 0 0.4"><joint name="lift"
+  axis="0 1 0"/><geom type="mesh" mesh="boom"/><site name="tip" pos="0.8 0 0"/></body></body></worldbody></mujoco>"""
+
+
+def test_a_description_is_asked_for_weights_in_its_own_words(linkwright, empty):
+    """No key of an arm file: the body or link, what to write there, and the mesh that is missing."""
+    (empty / "robot.urdf").write_text(WITHOUT, encoding="utf-8")
+    (empty / "robot.xml").write_text(MESHES, encoding="utf-8")
+    for name, words in (
+        ("robot.urdf", "link 1, post, is unknown (of link 2 too), and this needs its weight; write <inertial> <mass"),
+        ("robot.xml", 'link 2, boom, is unknown, and this needs its weight; write <inertial pos="0.1 0 0" mass="1.2"'),
+    ):
+        status, out, err = linkwright("export", name, "--to", "mjcf", "--out", "out.xml")
+        assert (status, out) == (2, "")
+        assert err.startswith(f"{name}: the mass of {words}")
+        assert err.count("\n") == 1
+        assert "chain[" not in err
+    assert "into body boom (boom.stl is not there as a closed STL)" in err

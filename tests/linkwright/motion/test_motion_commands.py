@@ -6,10 +6,13 @@ import sys
 from pathlib import Path
 
 import numpy as np
+import pandas as pd
 import pytest
 
 import linkwright as lw
 from linkwright.cli import run
+from linkwright.core.arm.motion.motion import Motion
+from linkwright.core.arm.motion.rigid import inverse_dynamics
 from linkwright.face.motion.diagnosis import MotionDiagnosis
 from tests.linkwright.motion.made_motion import made_log, made_motion, made_rollout
 
@@ -217,3 +220,42 @@ def test_a_log_says_how_far_it_tells_names(tmp_path, capsys):
     assert told["friction_viscous"]["random"] is None
     assert run(["plan", URDF, "--poses", "10", "--at", LOG]) == 2
     assert "--instrument motion" in capsys.readouterr().err
+
+
+UNWEIGHED = """<mujoco><asset><mesh name="f" file="fore.stl"/></asset><worldbody><body name="upper" pos="0 0 0.3">
+  <inertial pos="0.16 0 0" mass="2.5" diaginertia="0.003 0.028 0.028"/><joint name="a" axis="0 1 0" range="-90 90"/>
+  <body name="fore" pos="0.35 0 0"><joint name="b" axis="0 1 0" range="-90 90"/>{}<site name="tip" pos="0.3 0 0"/>
+</body></body></worldbody></mujoco>"""
+
+
+def test_a_log_tells_what_a_link_of_unknown_mass_weighs(tmp_path):
+    """Its mesh is not there: 1.5 kg, known to the file that the log is made with alone."""
+    weighed, unread = tmp_path / "weighed.xml", tmp_path / "unread.xml"
+    weighed.write_text(UNWEIGHED.format('<inertial pos="0.12 0 0" mass="1.5" diaginertia="0.001 0.012 0.012"/>'))
+    unread.write_text(UNWEIGHED.format('<geom type="mesh" mesh="f"/>'))
+    time, draw = np.arange(2000) / 100.0, np.random.default_rng(4)
+    waves = [(0.8, 0.7, 0.3, 2.9), (0.6, 1.1, 0.3, 2.3)]  # of each joint two: amplitude (rad) and rate (rad/s)
+
+    def moved(order):
+        return np.stack(
+            [
+                sum(size * rate**order * np.sin(rate * time + order * np.pi / 2) for size, rate in (each[:2], each[2:]))
+                for each in waves
+            ],
+            axis=1,
+        )
+
+    q, v, a = (moved(order) for order in range(3))
+    torque = inverse_dynamics(Motion(lw.read_arm(weighed).model, np.zeros(len(q)), q, v, a))
+    torque = torque + 0.3 * np.tanh(v / 0.01) + 0.02 * draw.standard_normal(q.shape)
+    columns = {"t_s": time} | {f"{name}{k + 1}_{unit}": values[:, k] for k in (0, 1) for name, unit, values in (
+        ("q", "rad", q), ("dq", "radps", v), ("tau", "Nm", torque))}  # fmt: skip
+    result = lw.diagnose(unread, pd.DataFrame(columns))
+    said = " ".join(result.logs[0].found.warnings)
+    assert "Not there as a closed STL: fore.stl. The weight of fore is unknown; write <inertial " in said
+    assert "The mass of link 2 is unknown. It counts as 0 kg" in said
+    masses = result.findings.query("parameter.str.startswith('mass')")
+    assert list(masses["value"]) == [pytest.approx(1.5, rel=0.05)]
+    assert result.rms_held_out < 0.05 * result.rms_before
+    result.corrected.save(tmp_path / "arm.yaml")
+    assert lw.predict(tmp_path / "arm.yaml", pd.DataFrame(columns)).rms == pytest.approx(result.rms_after, rel=0.2)
