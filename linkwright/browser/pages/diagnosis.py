@@ -13,7 +13,7 @@ from nicegui import events, ui
 from linkwright.browser.server.answers import Desk
 from linkwright.browser.server.asked import Asked
 from linkwright.browser.server.dropped import FURTHER, Dropped, plain_name, question, simulated, with_another
-from linkwright.browser.server.folder import arm_from_text
+from linkwright.browser.server.folder import arm_among, is_description
 from linkwright.browser.server.guard import MOST_UPLOADED
 from linkwright.core.diagnose.reading.foreign.proposal import IGNORED, OTHER, Meaning, known_names, units_of
 from linkwright.core.units.quantities import InputError, NoAnswer, read_number
@@ -41,7 +41,7 @@ class DiagnosisPage(Asking):
         with framed("Diagnosis", lead), sides("lw-diagnosis") as (left, right):
             with left:
                 with panel():
-                    self._choice = ui.select([], label="Arm file", on_change=self._arm_chosen)
+                    self._choice = ui.select([], label="Arm file, URDF or MJCF", on_change=self._arm_chosen)
                     self._choice.props("dense outlined").classes("w-full")
                     self._upload = ui.upload(
                         multiple=True,
@@ -131,8 +131,10 @@ class DiagnosisPage(Asking):
         return str(self._choice.value or "") if self._arm_text else "", self._arm_text
 
     async def _open(self, asked: Asked | None) -> None:
-        names = await asyncio.to_thread(self._desk.folder.names, "arm")
+        names = await asyncio.to_thread(self._desk.folder.names, "arm", "description")
         first = names[0] if names else None
+        self._choice.props(remove="hint") if names else self._choice.props(f'hint="{_NONE}"')
+        self._example.enabled = bool(names)
         self._first.visible = self._runs.last is None
         self._choice.set_options(names, value=asked.file if asked is not None and asked.file in names else first)
 
@@ -144,14 +146,15 @@ class DiagnosisPage(Asking):
         if not isinstance(name, str):
             return
         try:
-            text = await asyncio.to_thread(self._desk.folder.read, name)
-            self._arm = await asyncio.to_thread(arm_from_text, name, text)
+            files = await asyncio.to_thread(self._desk.folder.arm, name)
+            self._arm = await asyncio.to_thread(arm_among, name, files)
         except InputError as error:
             self._arm, self._arm_text = None, ""
-            self._problem.say(str(error))
+            asks = error.key == "tip" and is_description(name)
+            self._problem.say(f"{error}{_ASKS_FOR_TIP if asks else ''}")
             await self._compare()
             return
-        self._arm_text = text
+        self._arm_text = files[name].decode(errors="replace")
         await self._compare()
         self._problem.say("")
         for item in self._held:
@@ -286,9 +289,11 @@ class DiagnosisPage(Asking):
     async def _start(self) -> None:
         arm = str(self._choice.value)
         try:
-            text = await asyncio.to_thread(self._desk.folder.read, arm)
+            files = await asyncio.to_thread(self._desk.folder.arm, arm)
             several = len(self._held) > 1 and bool(self._units.value)
-            title, inputs, request = question(arm, text, self._held, thorough=bool(self._thorough.value), units=several)
+            title, inputs, request = question(
+                arm, files, self._held, thorough=bool(self._thorough.value), units=several
+            )
             self._begin(title, inputs, request)
             self._map_panel.value = False  # the answer takes its place
         except InputError as error:
@@ -296,6 +301,8 @@ class DiagnosisPage(Asking):
 
 
 _COLUMNS = "What its columns are"
+_NONE = "The folder has no arm file, URDF or MJCF. The Arm page begins one, or adds an example."
+_ASKS_FOR_TIP = ". On the Arm page a new arm begins from it, which asks for the tip"
 _NO_ARM = "choose an arm file first; the Arm page can put an example into the folder"
 _KINDS = (
     ("Measured tips", "Joint angles, and where a tracker or a dial gauge saw the tip."),

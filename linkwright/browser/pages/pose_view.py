@@ -5,6 +5,7 @@ from __future__ import annotations
 import asyncio
 import math
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from functools import partial
 from types import MappingProxyType
 
@@ -258,7 +259,9 @@ class PoseView:
             self._words.text = f"{words} Red: that error. Orange: the bent shape.{larger}"
         if self._panels.value == _SPACE:
             if self._scene is None:
-                dark = await ui.run_javascript("matchMedia('(prefers-color-scheme: dark)').matches", timeout=10.0)
+                dark = False
+                with suppress(TimeoutError):  # a page that is closed does not answer; it may come back
+                    dark = await ui.run_javascript("matchMedia('(prefers-color-scheme: dark)').matches", timeout=10.0)
                 if self._scene is None:
                     with self._place:
                         self._scene = ArmScene(dark=bool(dark))

@@ -29,8 +29,8 @@ class _Kept(TypedDict):
 
 @dataclass(frozen=True)
 class Asked:
-    """A question: the name of the arm's or problem's `file` in the folder, the `texts` of all YAML files that it was
-    answered from, by name, and the `settings` of the page."""
+    """A question: the name of the arm's or problem's `file` in the folder, the `texts` of it and of all YAML files that
+    it was answered from, by name, and the `settings` of the page."""
 
     file: str
     texts: Mapping[str, str]
@@ -65,7 +65,7 @@ def asked_of(kind: str, inputs: Mapping[str, bytes], request: Mapping[str, Any])
     texts = {
         name: content.decode(errors="replace")
         for name, content in inputs.items()
-        if PurePosixPath(name).suffix in _YAML and (kind != "diagnose" or name == file)
+        if name == file or (PurePosixPath(name).suffix in _YAML and kind != "diagnose")
     }
     return Asked(file, texts, request)
 

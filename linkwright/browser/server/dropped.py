@@ -159,10 +159,11 @@ def with_another(held: Sequence[Dropped], fresh: Dropped) -> list[Dropped]:
 
 
 def question(
-    arm: str, text: str, held: Sequence[Dropped], **more: bool
+    arm: str, files: Mapping[str, bytes], held: Sequence[Dropped], **more: bool
 ) -> tuple[str, dict[str, bytes], dict[str, Any]]:
-    """The title, the files and the question that the recordings make. Raises `InputError`."""
-    inputs = {arm: text.encode()}
+    """The title, the files (those of the arm among them) and the question that the recordings make. Raises
+    `InputError`."""
+    inputs = dict(files)
     recordings: list[str] = []
     settings: list[str] = []
     for number, item in enumerate(held, start=1):

@@ -6,7 +6,7 @@ import os
 import re
 import tempfile
 from collections.abc import Generator, Mapping
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from importlib.resources import files
 from itertools import zip_longest
 from pathlib import Path, PurePosixPath
@@ -17,16 +17,21 @@ from linkwright.core.units.files import read_bytes, write_whole
 from linkwright.core.units.quantities import InputError, shown
 from linkwright.core.units.reading import parse_yaml, read_text
 
-Kind = Literal["arm", "problem"]
+Kind = Literal["arm", "problem", "description"]
+"""A `description` is a URDF or MJCF, which the commands take in place of an arm file."""
 _ARM = re.compile(r"^chain\s*:", re.MULTILINE)
 _NAME = re.compile(r"^name\s*:\s*(.*?)\s*$", re.MULTILINE)
 _PROBLEM = re.compile(r"^arm\s*:", re.MULTILINE)
+_ROBOT = re.compile(r"\s*(?:<\?.*?\?>\s*|<!--.*?-->\s*|<!DOCTYPE[^>]*>\s*)*<(?:robot|mujoco)\b", re.DOTALL)
+_FILE = re.compile(r"""\b(?:file|meshdir|assetdir)\s*=\s*["']([^"']+)["']""")
 _LARGEST = 1024 * 1024
 """Bytes of an arm or a problem that can be edited here."""
 _DEEPEST, _MOST = 4, 2000
 _LONGEST = 1000
 """Letters of a name in the folder."""
 _ENDINGS = (".yaml", ".yml")
+_DESCRIPTIONS = (".urdf", ".xml", ".mjcf")
+_ALL = (*_ENDINGS, *_DESCRIPTIONS)
 
 
 class Occupied(InputError):
@@ -55,22 +60,24 @@ class Folder:
             raise InputError("", shown(name), "is not in the folder that is served; name a file within it")
         return path
 
-    def names(self, kind: Kind) -> list[str]:
-        """The files of a kind, at most so many, folders first looked into to a few levels."""
-        result: list[str] = []
+    def names(self, *kinds: Kind) -> list[str]:
+        """The files of these kinds in their order, at most so many, folders first looked into to a few levels."""
+        result: dict[Kind | None, list[str]] = {kind: [] for kind in kinds}
+        for name in self._looked_at():
+            result.get(self._kind(name), []).append(name)
+        return [name for names in result.values() for name in names]
+
+    def _looked_at(self) -> Generator[str]:
         seen = 0
         for at, folders, names in os.walk(self.root):
             here = Path(at)
             deep = len(here.relative_to(self.root).parts)
             folders[:] = sorted(folder for folder in folders if not folder.startswith(".") and deep < _DEEPEST)
-            for name in sorted(item for item in names if item.endswith(_ENDINGS) and not item.startswith(".")):
+            for name in sorted(item for item in names if item.endswith(_ALL) and not item.startswith(".")):
                 seen += 1
                 if seen > _MOST:
-                    return result
-                relative = (here / name).relative_to(self.root).as_posix()
-                if self._kind(relative) == kind:
-                    result.append(relative)
-        return result
+                    return
+                yield (here / name).relative_to(self.root).as_posix()
 
     def _kind(self, name: str) -> Kind | None:
         try:
@@ -80,6 +87,8 @@ class Folder:
             text = read_bytes(path, _LARGEST).decode("utf-8", errors="replace")
         except InputError:
             return None
+        if is_description(name):
+            return "description" if _ROBOT.match(text.removeprefix("\ufeff")) else None
         return "arm" if _ARM.search(text) else "problem" if _PROBLEM.search(text) else None
 
     def read(self, name: str) -> str:
@@ -125,6 +134,22 @@ class Folder:
                 result[Path(within).as_posix()] = self.read(Path(within).as_posix()).encode()
         return result
 
+    def arm(self, name: str) -> dict[str, bytes]:
+        """An arm's file and what it is read with, by their names in the folder: of an MJCF included files and the
+        meshes that weigh."""
+        result, folders = {name: self.read(name).encode()}, [""]
+        pending = [name] if is_description(name) else []
+        while pending:
+            said = _FILE.findall(result[pending.pop()].decode(errors="replace"))
+            folders += [item for item in said if not PurePosixPath(item).suffix]
+            for place in (PurePosixPath(name).parent / folder / file for folder in folders for file in said):
+                other = os.path.normpath(place)
+                if other not in result and other.lower().endswith((*_DESCRIPTIONS, ".stl")):
+                    with suppress(InputError):
+                        result[other] = read_bytes(self.place(other))
+                        pending += [other] if is_description(other) else []
+        return result
+
     def add_examples(self) -> list[str]:
         """Put the examples that are not there yet into the folder; gives the names of all."""
         names: list[str] = []
@@ -135,16 +160,21 @@ class Folder:
         return names
 
 
+def is_description(name: str) -> bool:
+    """Whether a file's name is that of a URDF or MJCF."""
+    return name.lower().endswith(_DESCRIPTIONS)
+
+
 def templates() -> dict[str, str]:
     """The shipped arms that a new one can begin as: their texts by name."""
     texts = (item.read_text(encoding="utf-8") for item in files("linkwright.browser").joinpath("templates").iterdir())
     return dict(sorted((named[1], text) for text in texts if (named := _NAME.search(text))))
 
 
-def arm_of_urdf(name: str, content: bytes, tip: str) -> tuple[str, str]:
-    """The arm file that a URDF makes, to a `tip` (empty: its only one), and the result in a line. Raises
+def arm_of_urdf(name: str, files: Mapping[str, bytes], tip: str) -> tuple[str, str]:
+    """The arm file that a URDF among files makes, to a `tip` (empty: its only one), and the result in a line. Raises
     `InputError`."""
-    with staged({name: content}) as root:
+    with staged(files) as root:
         imported = lw.import_arm(root / name, tip=tip or None)
         (root / "made").mkdir()
         imported.save(root / "made" / "arm.yaml")
@@ -172,7 +202,12 @@ def staged(inputs: Mapping[str, bytes]) -> Generator[Path]:
 
 def arm_from_text(name: str, text: str) -> lw.Arm:
     """The arm of a file's text as it is being edited; errors name the file `name`. Raises `InputError`."""
-    with staged({name: text.encode()}) as root:
+    return arm_among(name, {name: text.encode()})
+
+
+def arm_among(name: str, files: Mapping[str, bytes]) -> lw.Arm:
+    """The arm of a file among those that it is read with; errors name the file `name`. Raises `InputError`."""
+    with staged(files) as root:
         return lw.read_arm(root / name)
 
 

@@ -199,8 +199,9 @@ class Guard:
             if not began:
                 await _answer(send, 413, f"larger than {MOST_UPLOADED // 1024**2} MB\n")
         except RuntimeError:
-            # What a page in the making says where nobody waits for it any more (starlette: "No response returned").
-            if began or not gone:
+            # What a page in the making says where nobody waits for it any more (starlette: "No response returned"),
+            # also after NiceGUI has begun a page that says so.
+            if not gone:
                 raise
 
 

@@ -6,6 +6,7 @@ import pytest
 from playwright.sync_api import TimeoutError as NotSeen
 
 import linkwright as lw
+from linkwright.browser.server.folder import Folder
 from linkwright.browser.server.shelf import Shelf
 
 from .conftest import ROOT, Server
@@ -16,8 +17,6 @@ pytestmark = pytest.mark.slow
 @pytest.fixture(autouse=True)
 def examples(server):
     """The example arm and problem as they were."""
-    from linkwright.browser.server.folder import Folder
-
     for name in ("example-arm.yaml", "example-problem.yaml"):
         (server.folder / name).unlink(missing_ok=True)
     Folder(server.folder).add_examples()
@@ -72,6 +71,37 @@ def test_an_empty_folder_says_where_to_begin(page, tmp_path):
         page.goto("about:blank")
     finally:
         empty.end()
+
+
+def test_a_robot_of_the_folder_is_an_arm(page, tmp_path):
+    """A new arm begins from it, a diagnosis takes it as it is; without any the page says so. A page that was closed
+    early leaves nothing in the server's log."""
+    bare = Server(tmp_path)
+    try:
+        page.goto(bare.url + "diagnosis")
+        page.get_by_text("The folder has no arm file, URDF or MJCF.").wait_for()
+        assert page.get_by_role("button", name="Try a simulated recording of this arm").is_disabled()
+        (tmp_path / "robot.urdf").write_text((ROOT / "examples" / "urdf" / "tabletop.urdf").read_text())
+        page.goto(bare.url)
+        page.get_by_role("heading", name="Where to begin").wait_for()
+        page.get_by_label("Arm file").click()
+        page.get_by_role("option", name="robot.urdf").click()
+        page.get_by_text("Arm: tabletop, 3 joints").wait_for()
+        page.get_by_role("button", name="Save").click()
+        page.get_by_text("saved as robot.yaml").wait_for()
+        (tmp_path / "robot.yaml").unlink()
+        page.goto(bare.url + "diagnosis")
+        page.locator("input[value='robot.urdf']").or_(page.get_by_text("robot.urdf")).first.wait_for()
+        page.get_by_role("button", name="Try a simulated recording of this arm").click()
+        page.get_by_text("Recording: simulated.csv").wait_for()
+        Folder(tmp_path).add_examples()
+        early = page.context.browser.new_page()
+        early.goto(bare.url)
+        early.close()
+        page.goto("about:blank")
+        page.wait_for_timeout(11_000)  # as long as the server waits for what the page prefers
+    finally:
+        assert bare.end()[2] == ""
 
 
 def test_a_problem_is_optimised_and_reopened(server, page):

@@ -126,19 +126,23 @@ def test_uploads_are_bounded(server):
     assert answers[0]["status"] == 413
 
 
+@pytest.mark.parametrize("begun", [True, False])
 @pytest.mark.parametrize("gone", [True, False])
-def test_who_goes_before_the_answer_leaves_no_traceback(gone):
-    """A page that nobody waits for any more has no answer; one that is waited for and has none is a fault."""
+def test_who_goes_before_the_answer_leaves_no_traceback(gone, begun):
+    """A page that nobody waits for any more has no answer, or one that says so; one that is waited for and has none is
+    a fault."""
 
-    async def left(_, receive, __):
+    async def left(_, receive, send):
         await receive()
+        if begun:
+            await send({"type": "http.response.start", "status": 500, "headers": []})
         raise RuntimeError("No response returned.")
 
     async def receive():
         return {"type": "http.disconnect" if gone else "http.request", "body": b""}
 
     async def send(message):
-        raise AssertionError(message)
+        assert message["status"] == 500
 
     scope = {"type": "http", "method": "GET", "path": "/", "headers": [(b"host", b"localhost:1")]}
     asked = Guard(left, frozenset({"localhost"}), 1)(scope, receive, send)
@@ -164,6 +168,28 @@ def test_no_name_leaves_the_folder(tmp_path, name, how):
         held.read(name) if how == "read" else held.write(name, "chain: mine")
     assert (tmp_path / "secret.yaml").read_text(encoding="utf-8") == "chain: secret"
     assert held.names("arm") == []
+
+
+def test_robots_of_the_folder_are_arms_with_what_they_are_read_with(tmp_path):
+    """URDF and MJCF by their root, not by their ending; an MJCF with the meshes and parts that it names, none of them
+    from outside."""
+    folder = tmp_path / "designs"
+    (folder / "parts").mkdir(parents=True)
+    (tmp_path / "secret.stl").write_text("secret")
+    (folder / "z.yaml").write_text("chain: []")
+    (folder / "launch.xml").write_text('<launch><node robot="a"/></launch>')
+    (folder / "a.urdf").write_text('<?xml version="1.0"?>\n<!-- <x> -->\n<robot name="a"><link name="b"/></robot>')
+    (folder / "parts" / "more.xml").write_text('<mujocoinclude><asset><mesh file="two.STL"/></asset></mujocoinclude>')
+    for name in ("one.stl", "two.STL", "other.stl"):
+        (folder / "parts" / name).write_bytes(name.encode())
+    (folder / "b.xml").write_text("""<mujoco><compiler meshdir="parts"/><include file='parts/more.xml'/>
+      <asset><mesh file="one.stl"/><mesh file="../secret.stl"/><mesh file="gone.stl"/></asset></mujoco>""")
+    held = Folder(folder)
+    assert held.names("arm", "description") == ["z.yaml", "a.urdf", "b.xml"]
+    assert held.names("arm") == ["z.yaml"]
+    assert set(held.arm("z.yaml")) == {"z.yaml"}
+    assert set(held.arm("b.xml")) == {"b.xml", "parts/more.xml", "parts/one.stl", "parts/two.STL"}
+    assert held.arm("b.xml")["parts/one.stl"] == b"one.stl"
 
 
 @pytest.mark.parametrize("file", ["../secret.yaml", "{root}/secret.yaml", "link.yaml", "a/../../secret.yaml"])

@@ -15,7 +15,7 @@ from linkwright.browser.pages.frame import Problem, dropped_or_chosen, panel, ro
 from linkwright.browser.server.answers import Desk
 from linkwright.browser.server.asked import Asked
 from linkwright.browser.server.dropped import plain_name
-from linkwright.browser.server.folder import Folder, Kind, Occupied, arm_of_urdf, templates
+from linkwright.browser.server.folder import Folder, Kind, Occupied, arm_of_urdf, is_description, templates
 from linkwright.core.units.quantities import InputError
 
 
@@ -89,7 +89,7 @@ class NewArm:
 
     def __init__(self, begun: Callable[[str, str], Awaitable[bool]]) -> None:
         self._begun = begun
-        self._dropped: tuple[str, bytes] = ("", b"")
+        self._dropped: tuple[str, Mapping[str, bytes]] = ("", {})
         texts = templates()
         with ui.dialog() as self._dialog, ui.card().classes("lw-dialog"):
             ui.label("A new arm begins as").classes("lw-done")
@@ -117,15 +117,21 @@ class NewArm:
             await self._begun("new-arm", texts[str(self._like.value)])
 
     async def _urdf(self, event: events.UploadEventArguments) -> None:
-        self._dropped = (plain_name(event.file.name), await event.file.read())
+        name = plain_name(event.file.name)
+        await self.begin_from(name, {name: await event.file.read()})
+
+    async def begin_from(self, name: str, files: Mapping[str, bytes]) -> None:
+        """Begin an arm from a URDF or MJCF among files; ask for its tip where it has several."""
+        self._dropped = (name, files)
         self._tip.value = ""
         await self._imported()
 
     async def _imported(self) -> None:
-        name, content = self._dropped
+        name, files = self._dropped
         try:
-            text, line = await asyncio.to_thread(arm_of_urdf, name, content, str(self._tip.value or "").strip())
+            text, line = await asyncio.to_thread(arm_of_urdf, name, files, str(self._tip.value or "").strip())
         except InputError as error:
+            self._dialog.open()
             self._tips.visible = True
             self._problem.say(str(error))
             return
@@ -167,7 +173,7 @@ class FileChoice:
 
     async def begin(self, asked: Asked | None = None) -> None:
         """Open the file that an answer is of, or its text where that file is gone; without one the first there is."""
-        names = await self._look()
+        names = [name for name in await self._look() if not is_description(name)]
         if asked is not None and asked.file not in names:
             await self.open_as_it_was(asked)
         elif asked is not None or names:
@@ -184,9 +190,14 @@ class FileChoice:
         await self._open(asked.file, asked.text, there)
 
     async def _look(self) -> list[str]:
-        names = await asyncio.to_thread(self._desk.folder.names, self._kind)
+        more: tuple[Kind, ...] = ("description",) if self._kind == "arm" else ()
+        names = await asyncio.to_thread(self._desk.folder.names, self._kind, *more)
         self._list.set_options(names)
-        self._list.props(remove="hint") if names else self._list.props(f'hint="The folder has no {self._kind} file."')
+        begins = "; a URDF begins one" if names else ""
+        if any(not is_description(name) for name in names):
+            self._list.props(remove="hint")
+        else:
+            self._list.props(f'hint="The folder has no {self._kind} file{begins}."')
         return names
 
     async def _examples(self) -> None:
@@ -202,9 +213,12 @@ class FileChoice:
         name = event.value
         if not isinstance(name, str) or name == self.editor.name:
             return
+        if is_description(name):
+            self._as_before()
+            await self._begin_from(name)
+            return
         if not await self._may_go():
-            names = cast(list[str], self._list.options)
-            self._list.value = self.editor.name if self.editor.name in names else None
+            self._as_before()
             return
         try:
             text = await asyncio.to_thread(self._desk.folder.read, name)
@@ -213,6 +227,20 @@ class FileChoice:
             return
         self._problem.say("")
         await self._open(name, text)
+
+    def _as_before(self) -> None:
+        names = cast(list[str], self._list.options)
+        self._list.value = self.editor.name if self.editor.name in names else None
+
+    async def _begin_from(self, name: str) -> None:
+        """Begin a new arm from a URDF or MJCF of the folder."""
+        try:
+            files = await asyncio.to_thread(self._desk.folder.arm, name)
+        except InputError as error:
+            self._problem.say(str(error))
+            return
+        self._problem.say("")
+        await self._new.begin_from(name, files)
 
     async def _may_go(self) -> bool:
         """Whether another text may take the place of this one: it is saved, or need not be."""
