@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
@@ -12,6 +13,7 @@ import numpy as np
 from linkwright.core.arm.chain.kinematics import tip_position
 from linkwright.core.arm.compensation import Table as TableResult
 from linkwright.core.arm.compensation import default_grid, moves, table_at, table_over
+from linkwright.core.arm.descriptions.exported import GEOMETRY
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.errors.unknown_mass import payloads_left_out
 from linkwright.core.arm.files.poses import read_poses
@@ -34,6 +36,9 @@ if TYPE_CHECKING:
     import plotly.graph_objects as go
 
 _MOST_ROWS = 1_000_000
+_ROUNDING = 1e-9
+_MUCH = 0.2
+"""Of the largest error: a table that leaves more is warned of."""
 _DIGITS = 9
 _NOTE = (
     "The table holds what is certain. Backlash is taken on the loaded side. Direction, time and temperature are not "
@@ -67,21 +72,77 @@ def describe(result: TableResult) -> Description:
         ]
         items.append(Paragraph(f"grid: {', '.join(steps)}"))
     items.append(table(("error of the tip", "RMS", "largest"), rows))
-    if check is not None and check.largest_subtracted > 0.1 * check.largest_without > 0.0:
-        share = figure(100.0 * check.largest_subtracted / check.largest_without, 2)
-        why = "the grid is coarse for it, or the load turns play over"
-        items.append(Paragraph(f"Between the poses {share} % of the largest error stays: {why}."))
+    items += [Paragraph(f"{warning}.", "warning") for warning in _warnings(result)]
     items.append(Paragraph(_NOTE))
-    missing = payloads_left_out(arm, np.unique(result.payload).tolist())
-    if missing:
-        items.append(Paragraph(f"Warning: {missing}."))
     left = dict.fromkeys(entry.effect for entry in arm.effects if EFFECTS[entry.effect].recording.of_instrument)
     if left:
         names = ", ".join(effect_title(effect) for effect in left)
         items.append(Paragraph(f"Not in it, because it belongs to the instrument: {names}."))
-    headline = f"{len(result.q)} poses, payload {payloads}"
-    brief = f"{headline}: largest error {mm(float(error.max()), 3)}"
+    what = f"{len(result.q)} poses, payload {payloads}"
+    (stays, how), of = _ways(result)[0], float(error.max()) if check is None else check.largest_without
+    stays = stays if stays > _ROUNDING * of else 0.0
+    where = f"{'at' if check is None else 'between'} them, {how}"
+    headline = f"{what}. It leaves at most {mm(stays, 3)} of {mm(of, 3)} {where}" if of > 0.0 else what
+    brief = f"{what}: largest error {mm(float(error.max()), 3)}"
     return Description(f"{arm.name}: compensation table", headline, tuple(items), brief, f"{arm.name}: ")
+
+
+def _ways(result: TableResult) -> list[tuple[float, str]]:
+    """The largest error (m) that stays where the table is used, between the poses of a grid or at its poses, and how it
+    is used; what leaves least first."""
+    check, added = result.check, "joint corrections added"
+    if check is None:
+        return [(float(result.left.max()), added)]
+    return sorted([(check.largest_corrected, added), (check.largest_subtracted, "displacements subtracted")])
+
+
+def _warnings(result: TableResult) -> list[str]:
+    """What makes the table worth less than it looks, and what to do, without full stops."""
+    arm, check = result.arm, result.check
+    error, warnings = np.linalg.norm(result.error, axis=1), list[str]()
+    if check is not None and check.largest_without > 0.0:
+        shares = [(stays / check.largest_without, how) for stays, how in _ways(result)]
+        (least, best), (most, other) = shares
+        said = f"of the largest error stays between the poses, {best if least > _MUCH else other}"
+        if least > _MUCH:
+            remedies = ". ".join(_remedies(result, least))
+            warnings.append(
+                f"{figure(100.0 * least, 2)} % {said}: the grid is coarse, or loads turn play over. {remedies}"
+            )
+        elif most > _MUCH:
+            warnings.append(
+                f"{figure(100.0 * most, 2)} % {said}. Use the table with {best}: {figure(100.0 * least, 2)} %"
+            )
+    if (poor := int((result.left > _MUCH * error.max()).sum())) and error.max() > 0.0:
+        lead = f"at {poor} of the table's poses joint corrections leave more than {100.0 * _MUCH:.0f} %"
+        warnings.append(f"{lead} of the largest error: the drives hardly move the tip that way there")
+    missing = payloads_left_out(arm, np.unique(result.payload).tolist())
+    return [*warnings, missing] if missing else warnings
+
+
+def _remedies(result: TableResult, share: float) -> list[str]:
+    """What makes a table over a grid leave less than that share, or does without one."""
+    arm, varied = result.arm, [number for number, joint in enumerate(result.arm.joints, 1) if moves(joint)]
+    assert result.axes is not None
+    points = max(len(axis) for axis in result.axes)
+    most = int((_MOST_ROWS / len(np.unique(result.payload))) ** (1.0 / len(varied)) + 1e-9)
+    # Linear interpolation of a sine leaves 1 - cos(step / 2) of it; half of what is warned of is aimed at.
+    due = math.ceil(1.0 + (points - 1) * math.acos(1.0 - min(share, 1.0)) / math.acos(1.0 - 0.5 * _MUCH))
+    remedies = [f"--grid {min(due, most)} makes it finer" + ("" if due <= most else ", the most that it can be")]
+    if points >= most:
+        remedies = ["No grid can be finer over these ranges"]
+    endless = [
+        n for n in varied if arm.joints[n - 1].revolute and np.ptp(arm.joints[n - 1].range) > 2.0 * math.pi + 1e-6
+    ]
+    if endless:
+        numbers = f"joint{'s' * (len(endless) > 1)} {', '.join(map(str, endless))}"
+        remedies.append(f"range: [-180 deg, 180 deg] of {numbers} in the arm file leaves out turns that repeat")
+    remedies.append("Narrower ranges, or --poses FILE, keep to where the arm works")
+    if any(entry.effect in GEOMETRY for entry in arm.effects):
+        remedies.append(
+            "linkwright export ARM --into your URDF, or --to csv, has zeros, lengths and axes without a table"
+        )
+    return remedies
 
 
 def _rms(values: np.ndarray) -> float:
@@ -140,7 +201,6 @@ class Compensation(Result):
 
     def _content(self) -> Mapping[str, Any]:
         result, table = self.found, self.table
-        warning = payloads_left_out(result.arm, np.unique(result.payload).tolist())
         pairs = [(f"rms_{name}_mm", f"max_{name}_mm=largest_{name}") for name in ("without", "subtracted", "corrected")]
         return {
             "arm": result.arm.name,
@@ -149,7 +209,7 @@ class Compensation(Result):
             "max_error_mm": self.max_error_mm,
             "max_left_mm": float(1e3 * result.left.max()),
             "between": fields_if(result.check, "poses", *(item for pair in pairs for item in pair)),
-            "warnings": [warning] if warning else [],
+            "warnings": _warnings(result),
             "columns": list(table.columns),
             "rows": table.to_numpy().tolist(),
         }

@@ -244,4 +244,55 @@ def test_what_a_product_cannot_say_of_another_payload_is_said():
         said = json.loads(result.to_json())["warnings"]
         assert len(said) == len(missing)
         assert all(part in item for part, item in zip(missing, said, strict=True))
-        assert ("Warning: " in markdown(result.description)) == bool(missing)
+        assert ("**Warning:** " in markdown(result.description)) == bool(missing)
+
+
+def coarse(points, payloads=(0.0,), poses=None, ranges=((-2.0 * math.pi, 2.0 * math.pi), (-1.2, 1.2))):
+    """What a table of a two-joint arm with a wrong length says, over a grid or at poses."""
+    long = EffectEntry("link_length", (1,), {"length": 0.01})
+    joints = tuple(replace(joint, range=given) for joint, given in zip(two_links().joints, ranges, strict=True))
+    arm = replace(two_links(), joints=joints, effects=(long,))
+    found = table_over(arm, points, payloads) if poses is None else table_at(arm, poses, payloads)
+    return Compensation(lw.Arm.of(arm), found)
+
+
+def said(result):
+    """The warnings as people read them, beside those of the JSON, which are the same."""
+    shown = [item.text for item in result.description.items if getattr(item, "tone", "") == "warning"]
+    assert [f"{warning}." for warning in json.loads(result.to_json())["warnings"]] == shown
+    return " ".join(shown)
+
+
+def test_a_table_says_what_it_leaves_and_warns_where_that_is_much():
+    """1 cm too long over two turns by steps of half a turn: all of it stays; by the steps that are proposed, little."""
+    worst = coarse(5)
+    check = worst.found.check
+    stays = min(check.largest_subtracted, check.largest_corrected)
+    assert stays > 0.5 * check.largest_without
+    assert f"leaves at most {1e3 * stays:.3g} mm of {1e3 * check.largest_without:.3g} mm between them" in (
+        worst.description.headline
+    )
+    words = said(worst)
+    assert f"{100.0 * stays / check.largest_without:.0f} % of the largest error stays between the poses" in words
+    assert "range: [-180 deg, 180 deg] of joint 1 in the arm file" in words
+    assert "--into your URDF" in words
+    again = coarse(int(words.partition("--grid ")[2].split()[0]))
+    check = again.found.check
+    assert check.largest_subtracted < 0.2 * check.largest_without < check.largest_corrected
+    assert "displacements subtracted" in again.description.headline
+    assert "joint corrections added. Use the table with displacements subtracted:" in said(again)
+
+
+def test_a_grid_that_cannot_be_finer_is_not_proposed(monkeypatch):
+    monkeypatch.setattr("linkwright.face.compensation._MOST_ROWS", 25)
+    assert "No grid can be finer over these ranges." in said(coarse(5))
+    monkeypatch.setattr("linkwright.face.compensation._MOST_ROWS", 40)
+    assert "--grid 6 makes it finer, the most that it can be." in said(coarse(5))
+
+
+def test_poses_where_the_joints_cannot_correct_are_told():
+    """Stretched out the joints do not move the tip along the arm, where all of the error lies."""
+    result = coarse(0, poses=np.array([[0.3, 1e-4], [0.3, 0.9]]))
+    assert result.description.headline.endswith("It leaves at most 10 mm of 10.1 mm at them, joint corrections added")
+    assert "at 1 of the table's poses joint corrections leave more than 20 % of the largest error" in said(result)
+    assert said(coarse(0, poses=np.array([[0.3, 0.9]]))) == ""
