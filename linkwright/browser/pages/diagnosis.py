@@ -41,7 +41,7 @@ class DiagnosisPage(Asking):
         with framed("Diagnosis", lead), sides("lw-diagnosis") as (left, right):
             with left:
                 with panel():
-                    self._choice = ui.select([], label="Arm file, URDF or MJCF", on_change=self._arm_chosen)
+                    self._choice = ui.select([], label="Arm file", on_change=self._arm_chosen)
                     self._choice.props("dense outlined").classes("w-full")
                     self._upload = ui.upload(
                         multiple=True,
