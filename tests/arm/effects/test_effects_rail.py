@@ -38,13 +38,27 @@ def test_a_carriage_that_tilts_turns_what_it_carries(play):
 
 
 def test_in_space_the_carriage_shifts_and_tilts_every_way():
-    """Across the rail on a disc; about all three axes of the base."""
+    """Across the rail on a disc; about the rail and both axes across it."""
     assert not one_slide("rail_pitch", 1e-4, spatial=True).planar()
     straight = worst_error(one_slide("rail_straightness", 5e-5, spatial=True))
     assert straight == pytest.approx(5e-5, rel=1e-6)
     tilted = worst_error(one_slide("rail_pitch", 1e-4, spatial=True))
     # The link turns in the x-z plane: halfway between them |psi x p| is greatest, sqrt(3) for psi = (1, 1, -1).
     assert tilted == pytest.approx(1e-4 * 0.8 * math.sqrt(3.0), rel=1e-4)
+
+
+@pytest.mark.parametrize("turned", [0.0, -math.pi / 4.0, 0.3])
+def test_a_tilt_goes_with_the_slide_that_a_joint_before_it_turns(turned):
+    """A SCARA's quill: pitch and yaw 290 mm above the tip, and where that is off the quill's axis by 100 mm roll too:
+    |psi x r|^2 is greatest for psi = (1, 1, -1) a, which is a^2 (z^2 + (z + x)^2 + x^2)."""
+    entry = EffectEntry("rail_pitch", (2,), MappingProxyType({"angle": 5e-5}))
+    shoulder = Joint(range=(turned, turned + 1e-9))
+    slide = Joint("prismatic", axis=(0.0, 0.0, -1.0), range=(0.0, 0.1))
+    for offset in (0.0, 0.1):
+        links = (Link(0.6, mass=0.0), Link(0.29, mass=0.0, direction=(0.0, 0.0, -1.0)), Link(offset, mass=0.0))
+        arm = Arm("scara", (shoulder, slide, Joint(range=(0.0, 1e-9))), links, effects=(entry,))
+        by_hand = 5e-5 * math.sqrt(0.29**2 + (0.29 + offset) ** 2 + offset**2)
+        assert worst_error(arm) == pytest.approx(by_hand, rel=1e-6)
 
 
 @pytest.mark.parametrize("effect", ["rail_straightness", "rail_pitch"])
