@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import PurePath
 
 from linkwright.core.arm.figures import Figure as Goal
+from linkwright.core.optimize.choice.driven import stays_beside
 from linkwright.core.optimize.infeasible.answer import Infeasibility, changed
 from linkwright.core.optimize.result import Iteration, OptimizationResult
 from linkwright.core.units.quantities import format_quantity
@@ -76,6 +77,7 @@ def describe(result: OptimizationResult) -> Description:
         *design.relative_words(result.after),
         *design.rigid_links_words(result.after),
         *design.notes(result.before, result.after),
+        *_beside_actuators(result),
         *_robust(result),
         *([] if result.start is None else [Paragraph(result.start, "warning")]),
         *design.warnings(result.before, "arm as given"),
@@ -111,6 +113,13 @@ def describe(result: OptimizationResult) -> Description:
     ]
     name = result.after.arm.name
     return Description(f"{name}: the new design", headline(result), tuple(items), better_words(result), f"{name}: ")
+
+
+def _beside_actuators(result: OptimizationResult) -> list[Paragraph]:
+    """What stays of the joints whose actuators were chosen."""
+    chosen = {at for drive in result.drives for at, name in enumerate(drive.actuators) if name is not None}
+    stays = stays_beside(result.before.arm.joints, chosen)
+    return [] if stays is None else [Paragraph(f"note: {stays}", "under")]
 
 
 def _robust(result: OptimizationResult) -> list[Item]:

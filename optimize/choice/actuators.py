@@ -14,6 +14,7 @@ from linkwright.core.arm.figures.motion.cycle import MOTION_USE, least_use
 from linkwright.core.arm.motion.cycle import cycles_of
 from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.optimize.balance.balance import with_least_counterweights
+from linkwright.core.optimize.choice.driven import with_actuator
 from linkwright.core.optimize.exchange.design import numeric_beams
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.exchange.totals import carried_mass, drives_cost
@@ -29,25 +30,9 @@ MOST_ASSIGNMENTS = 64
 
 
 def with_actuators(arm: Arm, assignment: Assignment) -> Arm:
-    """The arm with these actuators: their stiffnesses, backlash, mass and price replace those of the joints."""
-    joints = [
-        joint
-        if actuator is None
-        else replace(
-            joint,
-            actuator=actuator,
-            stiffness=actuator.stiffness,
-            zones=actuator.zones,
-            backlash=actuator.backlash or 0.0,
-            mass=actuator.mass or 0.0,
-            tilting_stiffness=actuator.tilting_stiffness,
-            cost=None,
-            rated_torque=None,
-            peak_torque=None,
-        )
-        for joint, actuator in zip(arm.joints, assignment, strict=True)
-    ]
-    return replace(arm, joints=tuple(joints))
+    """The arm with these actuators at its joints."""
+    pairs = zip(arm.joints, assignment, strict=True)
+    return replace(arm, joints=tuple(joint if drive is None else with_actuator(joint, drive) for joint, drive in pairs))
 
 
 def assignments(problem: Problem) -> list[Assignment]:

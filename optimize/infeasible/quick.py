@@ -17,7 +17,7 @@ from types import MappingProxyType
 import numpy as np
 
 from linkwright.core.arm.chain.beam import Beam
-from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.chain import Arm, Joint
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model, values_of_rigid
 from linkwright.core.arm.errors.model import rigid as rigid_beam
 from linkwright.core.arm.evaluation import link_masses
@@ -28,6 +28,7 @@ from linkwright.core.arm.worst.search import WorstSearch
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.materials.material import Material
 from linkwright.core.optimize.balance.balance import with_least_counterweights
+from linkwright.core.optimize.choice.driven import with_actuator
 from linkwright.core.optimize.choice.picks import options
 from linkwright.core.optimize.choice.pose_products import one_signed
 from linkwright.core.optimize.exchange.design import with_chosen_links
@@ -129,29 +130,31 @@ def _ideal(problem: Problem) -> Arm:
     """The arm with drives that have the best of every actuator that may be chosen, in the stiffest of its zones, and
     with the lightest counterweights, as near to their joints as they may be."""
     arm = with_least_counterweights(problem.arm, problem.balances)
-    stiffest = (
-        joint if not joint.zones else replace(joint, stiffness=max(item for _, item in joint.zones), zones=())
-        for joint in arm.joints
-    )
-    arm = replace(arm, joints=tuple(stiffest))
-    if problem.actuators is None:
-        return arm
+    lists = problem.actuators or ((),) * arm.size
     joints = [
-        joint
-        if not joint_actuators
-        else replace(
-            joint,
-            stiffness=max(max(x.stiffnesses) for x in joint_actuators),
-            zones=(),
-            backlash=min(x.backlash or 0.0 for x in joint_actuators),
-            mass=min(x.mass or 0.0 for x in joint_actuators),
-            tilting_stiffness=None
-            if any(x.tilting_stiffness is None for x in joint_actuators)
-            else max(x.tilting_stiffness or 0.0 for x in joint_actuators),
-        )
-        for joint, joint_actuators in zip(arm.joints, problem.actuators, strict=True)
+        _best_of(joint, [with_actuator(joint, item) for item in joint_actuators] or [joint])
+        for joint, joint_actuators in zip(arm.joints, lists, strict=True)
     ]
     return replace(arm, joints=tuple(joints))
+
+
+def _best_of(joint: Joint, driven: Sequence[Joint]) -> Joint:
+    """A joint with the best that it has, figure by figure, with any of its drives."""
+    stiff = [max((item for _, item in one.zones), default=one.stiffness) for one in driven]
+    return replace(
+        joint,
+        stiffness=_stiffest(stiff),
+        zones=(),
+        backlash=min(one.backlash for one in driven),
+        mass=min(one.mass for one in driven),
+        tilting_stiffness=_stiffest([one.tilting_stiffness for one in driven]),
+    )
+
+
+def _stiffest(values: Sequence[float | None]) -> float | None:
+    """The greatest stiffness; None, which is rigid, where one is."""
+    known = [value for value in values if value is not None]
+    return max(known) if len(known) == len(values) else None
 
 
 # ---- figures at poses

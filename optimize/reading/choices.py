@@ -10,6 +10,7 @@ from linkwright.core.arm.actuators import Actuator, load_actuators
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.materials.catalogue import Catalogue
 from linkwright.core.materials.material import Material
+from linkwright.core.optimize.choice.driven import own_figures
 from linkwright.core.optimize.reading.by_link import ByLink, by_link
 from linkwright.core.optimize.reading.called import CHOICES_CALLED
 from linkwright.core.optimize.reading.conditions import materials_where
@@ -125,9 +126,15 @@ def _actuators(body: Mapping, arm: Arm) -> tuple[tuple[Actuator, ...], ...] | No
             raise body.error("actuator", f"joint {number} slides, and no actuator drives a slide; write [] for it")
         chosen = [known.find(str(name), file=body.file, key=path) for name in names]
         for item in chosen:
-            if unknown := item.lacks("rated_torque", "stiffness", "backlash", "mass"):
+            own = own_figures(joint)
+            if unknown := [
+                key for key in item.lacks("rated_torque", "stiffness", "backlash", "mass") if key not in own
+            ]:
                 missing = ", ".join(unknown).replace("_", " ")
-                raise body.error("actuator", f"cannot choose {item.name}, whose {missing} the catalogue does not know")
+                beside = ", ".join(f"{key}: ..." for key in unknown)
+                message = f"cannot choose {item.name}, whose {missing} the catalogue does not know"
+                would_do = f"write `actuator: {item.name}, {beside}` at joint {number} of the arm file"
+                raise body.error("actuator", f"{message}; {would_do}")
         actuators.append(tuple({actuator.name: actuator for actuator in chosen}.values()))
     if not any(actuators):
         raise body.error("actuator", "is empty; name at least one actuator")

@@ -8,8 +8,12 @@ from pathlib import Path
 import pytest
 
 from linkwright.core.arm.actuators import USER_ACTUATORS
+from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.arm.files.read import read_arm
+from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.optimize.choice.actuators import assignments, with_actuators
+from linkwright.core.optimize.choice.driven import stays_beside
 from linkwright.core.optimize.infeasible.quick import out_of_reach
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.run import optimise
@@ -282,3 +286,57 @@ def test_drives_are_chosen_for_what_is_uncertain(
     assert result.robust.design.value <= 0.8e-3 * (1.0 + 1e-4)
     with pytest.raises(NoAnswer, match="max_error"):
         optimise(asked("SOFT", soft))
+
+
+BESIDE = "tilting_stiffness: 60 kN*m/rad, mass: 5 kg, backlash: 2 arcmin, rated_torque: 70 N*m, cost: 500 EUR"
+
+
+def beside(drive: str) -> str:
+    """The arm of two joints, the second of which has a drive and figures of its own beside it."""
+    first, second = TWO.rsplit("joint: {", 1)
+    return f"{first}joint: {{actuator: {drive}, {BESIDE}, {second}"
+
+
+def arm_of(folder: Path, text: str) -> Arm:
+    (folder / "named.yaml").write_text(text, encoding="utf-8")
+    return read_arm(folder / "named.yaml")
+
+
+@pytest.mark.parametrize("drive", ["CSG-17-100-2UH", "CSG-25-100-2UH", "RV-6E"])
+def test_a_chosen_actuator_is_as_if_the_arm_file_named_it(tmp_path: Path, drive: str) -> None:
+    """What stands beside its name stays, whichever is chosen; the arm as read from a file that names it is the same."""
+    text = f"minimize: max_error\nsubject_to: {{mass: '<= 8 kg', {SIZES}}}\nchoose: {{actuator: [[], [{drive}]]}}\n"
+    problem = problem_of(tmp_path, beside("CSG-17-100-2UH"), text)
+    (pick,) = assignments(problem)
+    assert with_actuators(problem.arm, pick).joints == arm_of(tmp_path, beside(drive)).joints
+    stays = stays_beside(problem.arm.joints, {1})
+    assert stays is not None
+    assert "the arm file's backlash, cost, mass, rated torque, tilting stiffness of joint 2 count" in stays
+    assert stays_beside(problem.arm.joints, {0}) is None
+
+
+def test_an_arm_whose_only_choice_is_its_own_drives_stays_as_it_is(tmp_path: Path) -> None:
+    """With lengths and sections given, so that nothing is left to choose."""
+    arm = beside("CSG-17-100-2UH")
+    size = "{diameter: [60 mm]}"
+    text = f"minimize: max_error\nchoose: {{actuator: [[], [CSG-17-100-2UH]], sizes: [{size}, {size}]}}\n"
+    result = optimise(problem_of(tmp_path, arm, text))
+    given = arm_of(tmp_path, arm)
+    assert result.arm.joints == given.joints
+    assert result.after.max_error == pytest.approx(result.before.max_error, rel=1e-9)
+    assert evaluate(given).max_error == pytest.approx(result.before.max_error, rel=1e-9)
+    assert arm_of(tmp_path, arm_to_yaml(result.arm)).joints == given.joints
+
+
+def test_a_drive_whose_figures_the_joint_gives_can_be_chosen(tmp_path: Path) -> None:
+    """A servo of which nobody publishes a rated torque."""
+    servo = "actuator: STS3215-C018, stiffness: 27 N*m/rad, rated_torque: 1 N*m"
+    arm = TWO.replace("joint: {", f"joint: {{{servo}, ", 1)
+    text = (
+        f"minimize: max_error\nsubject_to: {{mass: '<= 8 kg', {SIZES}}}\nchoose: {{actuator: [[STS3215-C018], %s]}}\n"
+    )
+    problem = problem_of(tmp_path, arm, text % "[]")
+    (pick,) = assignments(problem)
+    assert with_actuators(problem.arm, pick).joints[0].stiffness == 27.0
+    with pytest.raises(InputError, match=r"rated_torque: \.\.\.` at joint 2 of the arm file"):
+        problem_of(tmp_path, arm, text % "[STS3215-C018]")
