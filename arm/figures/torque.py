@@ -103,21 +103,22 @@ class Torques(OfStatics[DriveLoads]):
 
     def warnings(self, arm: Arm, result: DriveLoads) -> list[str]:
         """One line for each joint whose drive has to hold more than it can."""
-        return [
-            f"joint {number} holds up to {held:.4g} {_unit(joint)}, more than {_rating_in_words(joint)}"
-            for number, (joint, held) in enumerate(zip(arm.joints, result.greatest, strict=True), start=1)
-            if (most := joint.greatest_static_load) is not None and held > most
-        ]
+        lines: list[str] = []
+        for number, (joint, held) in enumerate(zip(arm.joints, result.greatest, strict=True), start=1):
+            rated, peak = joint.rating
+            load = f"{held:.4g} {_unit(joint)}"
+            if peak is not None and held > peak:
+                drive = "its drive" if joint.actuator is None else joint.actuator.name
+                gives = f"{drive} gives {peak:.4g} {_unit(joint)} at most"
+                lines.append(f"joint {number} needs up to {load}; {gives}, so it cannot hold the arm there")
+            elif rated is not None and held > rated:
+                of = "" if joint.actuator is None else f" of {joint.actuator.name}"
+                lines.append(f"joint {number} holds up to {load}, more than the rated {rated:.4g} {_unit(joint)}{of}")
+        return lines
 
 
 def _unit(joint: Joint) -> str:
     return "N*m" if joint.revolute else "N"
-
-
-def _rating_in_words(joint: Joint) -> str:
-    word = "peak" if joint.rating[0] is None else "rated"
-    of = "" if joint.actuator is None else f" of {joint.actuator.name}"
-    return f"the {word} {joint.greatest_static_load:.4g} {_unit(joint)}{of}"
 
 
 def _assumed(problem: Asked) -> float | None:

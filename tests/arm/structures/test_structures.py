@@ -217,7 +217,13 @@ def test_drives_rated_at_the_joint_are_held_against_their_loads(tmp_path: Path) 
     peak = evaluate(
         arm_of(tmp_path, f"chain:\n  - {held % 'peak_torque: 20 N*m'}\n    {rigid}\npayload: {{mass: 4 kg}}\n")
     )
-    assert any("more than the peak 20 N*m" in line for line in peak.warnings)
+    line = "; its drive gives 20 N*m at most, so it cannot hold the arm there"
+    assert any(item.startswith("joint 1 needs up to 24.5") and item.endswith(line) for item in peak.warnings)
+    servo = f"{held % 'actuator: STS3215-C018'}\n    {rigid}\n"  # of which no rated torque is known; it stalls at 2.94
+    for payload, stalls in ((0.0, True), (-0.5, False)):
+        load = f"{servo}payload: {{mass: 0 kg, force: [0 N, {-payload * G * 2.0:g} N, 0 N]}}\n"
+        still = evaluate(arm_of(tmp_path, f"chain:\n  - {load}"))
+        assert any("STS3215-C018 gives 2.94 N*m at most" in line for line in still.warnings) == stalls
     with pytest.raises(InputError, match=r"peak_torque.*below rated_torque"):
         arm_of(tmp_path, f"chain:\n  - {held % 'rated_torque: 20 N*m, peak_torque: 10 N*m'}\n    {rigid}\n")
     with pytest.raises(InputError, match=r"rated_torque.*passive joint has none"):

@@ -201,7 +201,8 @@ def test_evaluate_tells_what_the_drives_hold(linkwright, bench):
     status, out, _ = linkwright("evaluate", "driven.yaml", "--json", "e.json")
     result = json.loads((bench / "e.json").read_text())
     assert status == 0
-    assert "WARNING: joint 1 holds up to" in out
+    peak = load_actuators().find("CSG-14-100-2UH").peak_torque
+    assert f"; CSG-14-100-2UH gives {peak:.4g} N*m at most, so it cannot hold the arm there" in out
     assert [drive["actuator"] for drive in result["drives"]] == ["CSG-14-100-2UH", None]
     assert result["drives"][0]["torque_use"] == pytest.approx(result["drives"][0]["greatest_load"] / 10.0, rel=1e-12)
     assert result["cost_EUR"] is None
