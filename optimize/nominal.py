@@ -153,7 +153,7 @@ def nominal_optimum(problem: Problem, options: Options, given: Problem) -> Optim
     beyond = () if problem.motors else out_of_reach(problem)
     if beyond:
         for item in beyond:
-            options.tell(item.text)
+            options.tell(f"{item.text}; now finding what the limits would have to be")
         first, names = first_driven(problem)
         raise Infeasible(explained(context_of(first), beyond=beyond, progress=options.progress), _looked_at(names))
     solver = _Solver(options, problem.actuators is None and not problem.motors)

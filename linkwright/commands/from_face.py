@@ -81,10 +81,7 @@ def _heard(problem: lw.Problem, steps: Any) -> dict[str, Any]:
     def log(iteration: Iteration) -> None:
         say(iteration_line(iteration, problem.model.objective))
 
-    def beyond(text: str) -> None:
-        say(f"{text}; now finding what the limits would have to be")
-
-    content: dict[str, Any] = {"out_of_reach": beyond}
+    content: dict[str, Any] = {"out_of_reach": say}
     return content if loudness() == "answer" else {**content, "log": log, "begun": begun}
 
 

@@ -117,16 +117,17 @@ def without_lacking(mapping: Mapping, problem: Problem) -> Problem:
         return problem  # what an arm's material lacks is an error where it is asked for
     needed = needed_figures(problem)
     reasons = {material: _reason(material, needed, problem.arm.temperature) for material in problem.materials}
-    left_out = tuple(LeftOut(material.name, why) for material, why in reasons.items() if why)
-    if not left_out:
+    lacking = {material.name: why for material, why in reasons.items() if why}
+    if not lacking:
         return problem
     materials = tuple(material for material in problem.materials if not reasons[material])
     lists = None if problem.lists is None else tuple(_list(entry, materials) for entry in problem.lists)
     if not materials or any(entry.materials == () for entry in lists or ()):
-        whole = "; ".join(f"{item.material}: {item.why}" for item in left_out)
+        whole = "; ".join(f"{name}: {why}" for name, why in lacking.items())
         message = f"leaves a link without a material, as figures are missing ({whole}); name another material"
         raise mapping.error("choose.material", f"{message}, or add the figure with `linkwright materials edit`")
-    return replace(problem, materials=materials, lists=lists, left_out=left_out)
+    left_out = [LeftOut(name, f"{why}; `linkwright materials edit {name}` adds it") for name, why in lacking.items()]
+    return replace(problem, materials=materials, lists=lists, left_out=tuple(left_out))
 
 
 def _list(lists: LinkLists, materials: tuple[Material, ...]) -> LinkLists:
@@ -142,7 +143,14 @@ def _reason(material: Material, needed: MappingLike[str, str], temperature: floa
         try:
             material.need(name, temperature)  # type: ignore[arg-type]
         except MissingProperty:
-            missing.append(f"its {name.replace('_', ' ')} is not known, and {by} needs it")
+            missing.append(f"its {_known_by(material, name)} is not known, and {by} needs it")
         except OutOfRange:
             missing.append(f"its {name.replace('_', ' ')} is not known at the arm's temperature, and {by} needs it")
     return ", ".join(missing)
+
+
+def _known_by(material: Material, name: str) -> str:
+    """A figure that a material lacks, in words: of one that would follow from others, which of those it lacks."""
+    if name == "shear_modulus" and material.isotropic and material.has("elastic_modulus"):
+        return "shear modulus (or Poisson's ratio, from which that follows)"
+    return name.replace("_", " ")

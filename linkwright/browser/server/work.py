@@ -106,7 +106,7 @@ def _heard(problem: lw.Problem | None) -> dict[str, Any]:
         say(line=iteration_line(iteration, problem.model.objective))
 
     def out_of_reach(text: str) -> None:
-        say(line=f"{text}; now looking for what the limits would have to be")
+        say(line=text)
 
     return {"log": log, "out_of_reach": out_of_reach}
 

@@ -25,7 +25,8 @@ def test_the_answer_is_that_without_it(tmp_path: Path) -> None:
     assert found.objective == pytest.approx(alone.objective, rel=1e-9)
     (dropped,) = found.dropped
     assert (dropped.kind, dropped.name, dropped.limits) == ("material", LACKS, ())
-    assert dropped.why == "its yield strength is not known, and safety_factor >= 2 needs it"
+    adds = f"`linkwright materials edit {LACKS}` adds it"
+    assert dropped.why == f"its yield strength is not known, and safety_factor >= 2 needs it; {adds}"
     assert [line for line in told if LACKS in line] == [f"{LACKS} is not looked at: {dropped.why}"]
     assert alone.dropped == ()
 
@@ -49,3 +50,15 @@ def test_a_material_that_no_listed_size_comes_in_is_said(tmp_path: Path) -> None
     (dropped,) = found.dropped
     assert dropped.name == "titanium-ti-6al-4v"
     assert dropped.why == "no stock size of tube listed comes in it"
+
+
+def test_a_print_that_twists_needs_a_poisson_ratio_and_petg_has_one(tmp_path: Path) -> None:
+    """In space the links twist. No sheet of ASA has a Poisson's ratio; of PETG there is that of PET."""
+    arm = "gravity: [0 m/s^2, 0 m/s^2, -9.81 m/s^2]\n" + PAPER_ARM
+    limits = LIMITS.replace(", safety_factor: '>= 2'", "")
+    problem = problem_of(tmp_path, arm, limits + CHOOSE.format("petg-printed, asa-filament"))
+    assert problem.materials is not None
+    (petg,), (item,) = problem.materials, problem.left_out
+    assert (petg.name, item.material) == ("petg-printed", "asa-filament")
+    assert item.why.startswith("its shear modulus (or Poisson's ratio, from which that follows) is not known")
+    assert petg.need("shear_modulus") == pytest.approx(petg.need("elastic_modulus") / (2.0 * 1.36))
