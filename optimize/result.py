@@ -189,6 +189,8 @@ class Rounded:
     seconds: float
     interrupted: bool = False
     """Whether an interrupt ended the comparison: this is then the best design that it had."""
+    kept: tuple[str, ...] = ()
+    """Why links stay as computed, one sentence each: no such size can be had of them."""
 
     @property
     def certified(self) -> bool:

@@ -402,6 +402,7 @@ def _worse(result: OptimizationResult, evaluation: Evaluation) -> dict[str, Any]
 def _rounded(result: OptimizationResult, rounded: Rounded) -> dict[str, Any]:
     """The design of sizes that can be had: its figures, and what rounding cost."""
     compared = ("designs_compared=compared", "designs_searched=searched", "exhaustive", "interrupted", "seconds")
+    compared += ("not_rounded=kept",)
     cost = _objective(result, rounded.objective - rounded.before)
     return {
         **fields(rounded, "to", "length_step_mm", *compared),

@@ -23,7 +23,9 @@ def sections(result: OptimizationResult) -> list[Section]:
 
 
 def warnings(result: OptimizationResult) -> list[Paragraph]:
-    """That the design is not of sizes that can be had, though they were asked for."""
+    """That the design, or a link of it, is not of sizes that can be had, though they were asked for."""
+    if result.rounded is not None:
+        return [Paragraph(f"not rounded: {item}; it stays as computed", "warning") for item in result.rounded.kept]
     missing = result.not_rounded
     if missing is None:
         return []

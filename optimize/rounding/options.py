@@ -180,7 +180,14 @@ def on_grid(problem: Problem, rounding: Rounding) -> Problem:
     return replace(problem, ranges=tuple(ranges))
 
 
+def _fixed(bounds: tuple[float, float]) -> bool:
+    """Whether the problem says the size itself: it is one that can be had, on the grid or not."""
+    return bounds[1] - bounds[0] <= _WITHIN * bounds[1]
+
+
 def _drawn_in(name: str, bounds: tuple[float, float], step: float) -> tuple[float, float]:
+    if _fixed(bounds):
+        return bounds
     low, high = math.ceil(bounds[0] / step - _ON_GRID) * step, math.floor(bounds[1] / step + _ON_GRID) * step
     if low > high * (1.0 + _WITHIN):
         span = " to ".join(format_quantity(bound, "length") for bound in bounds)
@@ -197,7 +204,9 @@ def _drawn_in(name: str, bounds: tuple[float, float], step: float) -> tuple[floa
 
 
 def multiples(value: float, step: float, bounds: tuple[float, float], reach: int) -> list[float]:
-    """The multiples of a step nearest to a value (m), `reach` to either side, within bounds."""
+    """The multiples of a step nearest to a value (m), `reach` to either side, within bounds; a fixed size stays."""
+    if _fixed(bounds):
+        return [bounds[0]]
     at = value / step
     whole = round(at)
     if abs(at - whole) < _ON_GRID:

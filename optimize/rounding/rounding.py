@@ -124,15 +124,15 @@ def rounded(
         problem_here = replace(drawn, arm=result_there.arm)
     else:
         result_there = result
+    kept = _kept(problem_here, rounding)
     search = _search(problem_here, rounding, progress)
     beside = len(search.judge.table.lengths)
     best = _best(search, rounding, beside)
     while best.pick is not None:
         after = evaluate(search.judge.table.arm_of(best.pick), problem_here.workspace, problem_here.load_cases)
         if not broken(problem_here.limits, after):
-            return _rounded(
-                problem_here, result, rounding, search.combinations * beside, best, after, time.perf_counter() - began
-            )
+            every, seconds = search.combinations * beside, time.perf_counter() - began
+            return replace(_rounded(problem_here, result, rounding, every, best, after, seconds), kept=kept)
         # The last word is that of the evaluation, which looks closer than a search does.
         search.exclude(best.pick)
         best = _best(search, rounding, beside)
@@ -193,17 +193,29 @@ def _lists(problem: Problem, rounding: Rounding) -> tuple[LinkList, ...]:
     return tuple(lists)
 
 
+def _kept(problem: Problem, rounding: Rounding) -> tuple[str, ...]:
+    """Why links stay as computed, one sentence each: those without a size in the stock tables. Raises `NoAnswer` where
+    they are all."""
+    if rounding.step is not None:
+        return ()
+    elastic = [index for index, link in enumerate(problem.arm.links) if link.section is not None]
+    lacking: dict[int, str] = {}
+    for index in elastic:
+        ranges, shapes, materials = problem.ranges[index], problem.shapes_of(index), problem.materials_of(index)
+        if not stock_options(ranges, shapes, materials):
+            lacking[index] = f"link {index + 1}: {why_no_stock(ranges, shapes, materials)}"
+    if len(lacking) == len(elastic):
+        raise NoAnswer(f"{'; '.join(lacking.values())}; `linkwright sections list` has them all")
+    return tuple(lacking.values())
+
+
 def _options(problem: Problem, index: int, section: Section, rounding: Rounding) -> list[Option]:
     materials = problem.materials_of(index)
-    if rounding.step is None:
-        shapes = problem.shapes_of(index)
-        options = stock_options(problem.ranges[index], shapes, materials)
-        if not options:
-            what = why_no_stock(problem.ranges[index], shapes, materials)
-            raise NoAnswer(f"link {index + 1}: {what}; `linkwright sections list` has them all")
-        return options
     material = problem.arm.links[index].material
     assert material is not None
+    if rounding.step is None:
+        options = stock_options(problem.ranges[index], problem.shapes_of(index), materials)
+        return options or [Option(section, material, problem.arm.links[index].section_name)]
     options = [
         Option(grid_section, material) for grid_section in grid_sections(problem, section, rounding.step, _REACH, index)
     ]

@@ -122,6 +122,45 @@ def test_stock_tubes_are_the_best_of_all_that_can_be_bought(tmp_path: Path) -> N
     assert result.objective == pytest.approx(best, rel=1e-5)
 
 
+def test_a_link_without_stock_sizes_stays_and_the_others_are_rounded(tmp_path: Path) -> None:
+    """No stock bar is of steel: link 2, whose size the problem says, stays. Link 1 is the best of all stock tubes."""
+    text = (
+        "subject_to: {mass: '<= 4 kg', section_size: {1: [40 mm, 65 mm], 2: [20 mm, 20 mm]}, thickness: [2 mm, 5 mm]}\n"
+        f"choose: {{section: {{1: [tube], 2: [circle]}}, material: {{1: [{ALUMINIUM}], 2: [{STEEL}]}}}}\n"
+    )
+    problem = problem_of(tmp_path, TWO, text)
+    result = optimise_rounded(problem, read_rounding("stock")).rounded
+    assert result is not None
+    assert result.kept == (f"link 2: no stock size of shape circle comes in {STEEL}",)
+    search, bar = search_of(problem), Circle(0.02)
+    tubes = [size for size in load_stock() if size.family == "ALU TUBE" and size.shape == "tube"]
+    rows = [
+        size
+        for size in tubes
+        if 0.04 <= size.dimensions["diameter"] <= 0.065 and 0.002 <= size.dimensions["thickness"] <= 0.005
+    ]
+    made = [with_sections(problem.arm, [size.section, bar], materials=[ALUMINIUM, STEEL]) for size in rows]
+    assert len(made) > 5
+    least = min(error_of(search, arm, problem) for arm in made if mass_of(arm) <= 4.0)
+    assert result.objective == pytest.approx(least, rel=1e-5)
+    assert result.arm.links[0].section_name is not None
+    assert result.arm.links[1].section_name is None
+
+
+def test_a_size_that_the_problem_says_is_on_no_grid(tmp_path: Path) -> None:
+    """A bar of 20.5 mm stays beside one that is rounded to whole millimetres."""
+    text = (
+        "subject_to: {mass: '<= 6 kg', section_size: {1: [20 mm, 90 mm], 2: [20.5 mm, 20.5 mm]}}\n"
+        f"choose: {{section: [circle], material: [{ALUMINIUM}]}}\n"
+    )
+    result = optimise_rounded(problem_of(tmp_path, TWO, text), read_rounding("1 mm")).rounded
+    assert result is not None
+    first, second = (link.section for link in result.arm.links)
+    assert second == Circle(0.0205)
+    assert isinstance(first, Circle)
+    assert first.diameter == pytest.approx(round(first.diameter, 3), abs=1e-12)
+
+
 @pytest.mark.slow
 def test_the_same_material_for_all_links_holds_in_stock(tmp_path: Path) -> None:
     text = (
