@@ -180,6 +180,7 @@ class Rounded:
     length_step: float | None
     arm: Arm
     evaluation: Evaluation
+    error_map: ErrorMap
     objective: float
     before: float
     limits: tuple[KeptLimit, ...]
@@ -325,10 +326,20 @@ class OptimizationResult:
 
     @property
     def worse(self) -> tuple[Worse, ...]:
-        """What the design does worse than the arm as given, in the order of `figures`."""
-        return worse_figures(self.figures, self.before, self.after)
+        """What the arm to build does worse than the arm as given, in the order of `figures`."""
+        return worse_figures(self.figures, self.before, self.as_built)
 
     @property
     def built(self) -> Arm:
         """The arm to build: the rounded one where there is one."""
         return self.arm if self.rounded is None else self.rounded.arm
+
+    @property
+    def as_built(self) -> Evaluation:
+        """What is known of the arm to build."""
+        return self.after if self.rounded is None else self.rounded.evaluation
+
+    @property
+    def map_as_built(self) -> ErrorMap:
+        """The errors of the arm to build over the workspace."""
+        return self.after_map if self.rounded is None else self.rounded.error_map

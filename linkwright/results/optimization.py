@@ -58,31 +58,36 @@ _COLOURS = "One colour scale for both. The numbered circles are the worst poses.
 
 def describe(result: OptimizationResult) -> Description:
     """The new design beside the arm as given."""
-    named = (("before", result.before), ("after", result.after))
-    bound = design.bound_words(result.after)
-    poses = design.worst_poses(result.after, detail=True)
+    after = result.as_built
+    named = (("before", result.before), ("after", after))
+    computed = () if result.rounded is None else (("as computed", result.after),)
+    said_of = "as computed, " if computed else ""
+    bound = design.bound_words(after)
+    worst_case = f"Worst case of the new design: {bound}."
+    poses = design.worst_poses(after, detail=True)
     effects = design.effects(named, detail=True)
     alone = "Each effect alone. Together they add as vectors."
     arms = Picture(lambda: designs.arms(named))
-    side = Picture(lambda: beside(side_view(result.after.arm, result.after.load_cases), result.after))
-    loads = Picture(lambda: loads_picture(result.after))
+    side = Picture(lambda: beside(side_view(after.arm, after.load_cases), after))
+    loads = Picture(lambda: loads_picture(after))
     strengths = {when: evaluation.strength for when, evaluation in named}
     shapes = Picture(lambda: sections_grid([(when, evaluation.arm) for when, evaluation in named], strengths))
-    over = Picture(lambda: designs.maps(named, (result.before_map, result.after_map)))
+    over = Picture(lambda: designs.maps(named, (result.before_map, result.map_as_built)))
     items: list[Item] = [
-        Paragraph(design.as_sentence(status_words(result)), "under"),
-        *([] if status_words(result) == bound else [Paragraph(f"Worst case of the new design: {bound}.", "under")]),
-        Paragraph(design.as_sentence(bound_sentence(result)), "under"),
-        *design.seam_words(result.after),
-        *design.relative_words(result.after),
-        *design.rigid_links_words(result.after),
-        *design.notes(result.before, result.after),
+        *rounding.first_words(result),
+        Paragraph(design.as_sentence(f"{said_of}{status_words(result)}"), "under"),
+        *([] if computed or bound == status_words(result) else [Paragraph(worst_case, "under")]),
+        Paragraph(design.as_sentence(f"{said_of}{bound_sentence(result)}"), "under"),
+        *design.seam_words(after),
+        *design.relative_words(after),
+        *design.rigid_links_words(after),
+        *design.notes(result.before, after),
         *_beside_actuators(result),
         *_robust(result),
         *([] if result.start is None else [Paragraph(result.start, "warning")]),
         *design.warnings(result.before, "arm as given"),
-        *design.warnings(result.after, "new design"),
-        *design.sideways(result.before, result.after, result.limits, "new design"),
+        *design.warnings(after, "new design"),
+        *design.sideways(result.before, after, result.limits, "new design"),
         *_not_judged(result),
         *_not_asked_for(result),
         *_dropped(result),
@@ -90,11 +95,11 @@ def describe(result: OptimizationResult) -> Description:
         _facts(result),
         section("Before and after, each at its worst pose", arms, lead=_SCALE, detail=True),
         section("Side view of the new design", side, detail=True),
-        section("What its joints carry", loads, design.joint_loads(result.after), lead=LOADS, detail=True),
+        section("What its joints carry", loads, design.joint_loads(after), lead=LOADS, detail=True),
         section(
             "Cross-sections",
             shapes,
-            design.links(named),
+            design.links((named[0], *computed, named[1]), 6 if computed else 5),
             lead=_STRESS,
         ),
         section("Error over the workspace", over, poses, lead=_COLOURS, detail=True),
@@ -111,7 +116,7 @@ def describe(result: OptimizationResult) -> Description:
         section("The problem as solved", _problem(result), design.joints(result.before), detail=True),
         *rounding.sections(result),
     ]
-    name = result.after.arm.name
+    name = after.arm.name
     return Description(f"{name}: the new design", headline(result), tuple(items), better_words(result), f"{name}: ")
 
 
@@ -144,7 +149,7 @@ def _robust(result: OptimizationResult) -> list[Item]:
 def _not_judged(result: OptimizationResult) -> list[Paragraph]:
     """Limits that could not be judged of the new design, and why: what is not known is not taken for kept."""
     limited = {text.split(" ")[0] for text in result.limits}
-    unknown = [(name, reason) for name, reason in result.after.unknown.items() if name in limited]
+    unknown = [(name, reason) for name, reason in result.as_built.unknown.items() if name in limited]
     return [
         Paragraph(f"new design: {result.figures[name].title} is not known: {why}", "warning") for name, why in unknown
     ]
@@ -177,14 +182,15 @@ def _dropped(result: OptimizationResult) -> list[Paragraph]:
 def _facts(result: OptimizationResult) -> Facts:
     """The arm's figures before and after, each with how many times smaller or larger it became, or why nobody knows."""
     facts: list[Fact] = []
-    both = (result.before, result.after)
+    both = (result.before, result.as_built)
     for name, item in result.figures.items():
         if not any(item.is_reported(evaluation) for evaluation in both):
             continue
-        one, other = (item.shown(item.value(evaluation)) for evaluation in both)
-        before, after = (amount(value, item.unit, item.digits) for value in (one, other))
-        why = result.after.unknown.get(name, "")
+        one, other, computed = (item.shown(item.value(evaluation)) for evaluation in (*both, result.after))
+        before, after, first = (amount(value, item.unit, item.digits) for value in (one, other, computed))
+        why = result.as_built.unknown.get(name, "")
         note = f"not known: {why}" if why else "" if one is None or other is None else factor_words(one, other)
+        note = "; ".join(part for part in (note, "" if first == after else f"{first.text} as computed") if part)
         facts.append(Fact(item.title_for(result.after.arm), after, note, before))
     return Facts(tuple(facts))
 
@@ -225,7 +231,8 @@ def _base(result: OptimizationResult) -> list[Section]:
 
 def _drives(result: OptimizationResult) -> list[Section]:
     """What the drives of the new design hold, and the choices of actuators, best first."""
-    if result.after.drives is None:
+    after = result.as_built
+    if after.drives is None:
         return []
     choices = None
     if len(result.drives) > 1:
@@ -238,11 +245,11 @@ def _drives(result: OptimizationResult) -> list[Section]:
         rest = f"and {len(rows) - MOST_CANDIDATES} more, in result.json, the best of them in the report"
         headings = ("actuators", "objective", "outcome")
         choices = table(headings, rows, first=MOST_CANDIDATES, title=title, rest=rest)
-    held = design.drives(result.after, detail=True)
+    held = design.drives(after, detail=True)
     lead = "Static loads over the whole workspace, against the rated torque."
-    moved = result.after.in_motion
-    cycle = None if moved is None else design.in_motion(result.after.arm, moved)
-    return [section("Drives", design.joints(result.after), held, cycle, choices, lead=lead, detail=choices is None)]
+    moved = after.in_motion
+    cycle = None if moved is None else design.in_motion(after.arm, moved)
+    return [section("Drives", design.joints(after), held, cycle, choices, lead=lead, detail=choices is None)]
 
 
 def _search(result: OptimizationResult) -> Section:
@@ -360,7 +367,7 @@ def headline(result: OptimizationResult) -> str:
 
 def better_words(result: OptimizationResult) -> str:
     """Error and mass before and after, and what else was made as good as it can be, as a phrase."""
-    before, after = result.before, result.after
+    before, after = result.before, result.as_built
     words = factor_words(before.max_error, after.max_error)
     error = f"worst error {mm(before.max_error)} before, {mm(after.max_error)} after ({words})"
     mass = f"links {with_unit(before.mass, 'kg')} before, {with_unit(after.mass, 'kg')} after"

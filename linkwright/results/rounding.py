@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 from linkwright.core.optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
-from linkwright.core.optimize.worse import worse_figures
 from linkwright.core.units.quantities import format_quantity
 from linkwright.json.design import objective_unit
 from linkwright.report.pictures.sections import sections_grid
@@ -33,23 +32,31 @@ def warnings(result: OptimizationResult) -> list[Paragraph]:
     return [Paragraph(f"{text}; this is the optimum as it is", "warning")]
 
 
-def _made(result: OptimizationResult, rounded: Rounded) -> Section:
+def first_words(result: OptimizationResult) -> list[Paragraph]:
+    """That the design shown is the rounded one, and its worst case; nothing where it is the optimum itself. What
+    follows of bounds and prices is said of the optimum."""
+    rounded = result.rounded
+    if rounded is None:
+        return []
     words = rounding_words(rounded)
+    return [
+        Paragraph(f"rounded to {words}: {rounding_headline(result, rounded)}", "strong"),
+        Paragraph(
+            f"{design.as_sentence(design.bound_words(rounded.evaluation))} As computed, before rounding:", "under"
+        ),
+    ]
+
+
+def _made(result: OptimizationResult, rounded: Rounded) -> Section:
     limits = [
         (limit.text, limit_figure(limit, limit.before), limit_figure(limit, limit.after), share(limit.room, 3), "kept")
         for limit in rounded.limits
     ]
-    headings = ("limit", "optimum", "rounded", Column("to spare", detail=True), "")
+    headings = ("limit", "as computed", "rounded", Column("to spare", detail=True), "")
     return section(
-        f"Rounded to {words}",
-        Paragraph(f"rounded to {words}: {rounding_headline(result, rounded)}", "strong"),
-        Paragraph(design.as_sentence(design.bound_words(rounded.evaluation)), "under"),
+        f"Rounded to {rounding_words(rounded)}",
         Paragraph(compared_words(rounded), "under"),
-        _worse_paragraph(result, rounded),
-        *design.warnings(rounded.evaluation, "rounded design"),
-        *design.sideways(result.before, rounded.evaluation, result.limits, "rounded design"),
         Picture(lambda: sections_grid((("before", result.arm), ("after", rounded.arm)))),
-        design.links((("", rounded.evaluation),), 6),
         table(headings, limits) if limits else None,
         lead="Before and after rounding. arm.yaml holds the rounded design.",
     )
@@ -83,11 +90,6 @@ def exceeded_words(limit: KeptLimit) -> str:
     return "kept" if limit.exceeded == 0.0 else f"broken by {percent(limit.exceeded, 3)}"
 
 
-def _worse_paragraph(result: OptimizationResult, rounded: Rounded) -> Paragraph | None:
-    words = design.worse_words(worse_figures(result.figures, result.before, rounded.evaluation))
-    return Paragraph(f"{words}.", "under") if words else None
-
-
 def rounding_words(rounded: Rounded) -> str:
     """What a design was rounded to, as a phrase."""
     return sizes_words(rounded.to, rounded.length_step)
@@ -108,8 +110,8 @@ def rounding_headline(result: OptimizationResult, rounded: Rounded) -> str:
     before, after = (with_unit(factor * value, unit, 5) for value in (rounded.before, rounded.objective))
     change = rounded.objective / rounded.before - 1.0
     words = f"{percent(abs(change), 3)} {'more' if change >= 0.0 else 'less'}"
-    mass = f"; links {with_unit(result.after.mass, 'kg')} before, {with_unit(rounded.evaluation.mass, 'kg')} after"
-    return f"{named} {before} before, {after} after ({words}){'' if result.minimize == 'mass' else mass}"
+    mass = f"; links {with_unit(result.after.mass, 'kg')} computed, {with_unit(rounded.evaluation.mass, 'kg')} rounded"
+    return f"{named} {before} as computed, {after} rounded ({words}){'' if result.minimize == 'mass' else mass}"
 
 
 def compared_words(rounded: Rounded) -> str:

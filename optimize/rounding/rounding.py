@@ -21,6 +21,7 @@ from linkwright.core.executors import Executor
 from linkwright.core.optimize.choice.combinations import Progress
 from linkwright.core.optimize.exchange.exchange import context_of
 from linkwright.core.optimize.problem import Problem
+from linkwright.core.optimize.problem_summary import map_of
 from linkwright.core.optimize.result import KeptLimit, NotRounded, OptimizationResult, Rounded
 from linkwright.core.optimize.run import Log, optimise
 from linkwright.core.optimize.sizes.designs_at_once import Table
@@ -294,6 +295,7 @@ def _rounded(
         length_step=_length_step(problem, rounding),
         arm=after.arm,
         evaluation=after,
+        error_map=map_of(problem, after),
         objective=objective,
         before=before,
         limits=_limits(problem, result, after),

@@ -16,6 +16,7 @@ from linkwright.core.arm.actuators import (
 )
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.units.reading import load_yaml
+from linkwright.results.figures_in_words import with_unit
 
 OWN = """\
 format_version: 1
@@ -253,6 +254,12 @@ def test_optimize_writes_the_chosen_actuators_and_the_rounded_sizes(linkwright, 
         )
         assert within, limit
     assert "rounded to stock sizes" in out
+    # What is written is what is shown first, the optimum beside it.
+    error = with_unit(result["rounded"]["max_error_mm"], "mm", 4)
+    assert f"{error} after (" in out
+    row = next(line for line in out.splitlines() if line.startswith("mass of the links "))
+    assert with_unit(result["rounded"]["mass_kg"], "kg", 4) in row
+    assert f"{with_unit(result['mass_kg'], 'kg', 4)} as" in row
     page = (bench / "out" / "report.html").read_text()
     assert "Rounded to stock sizes" in page
     assert arm.links[0].section_name in page
