@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Collection, Generator, Iterator, Sequence
+from collections.abc import Collection, Generator, Iterable, Iterator, Sequence
 from collections.abc import Mapping as MappingLike
 from contextlib import contextmanager
 from importlib.resources import files
@@ -231,6 +231,7 @@ class Mapping:
         self.key = key
         self._asked: dict[str, None] = {}
         self._synonyms: dict[str, Known] = {}
+        self._elsewhere: dict[str, str] = {}
 
     def path_of(self, name: str) -> str:
         """Return the full key of the entry `name`, such as `chain[2].joint.range`."""
@@ -265,6 +266,10 @@ class Mapping:
     def also_called(self, synonyms: MappingLike[str, tuple[str, ...]]) -> None:
         """Say what people call the entries of some names as well, so that they are told the names known here."""
         self._synonyms.update({name: Known(synonym) for name, synonym in synonyms.items()})
+
+    def elsewhere(self, names: Iterable[str], where: str) -> None:
+        """Say where names stand that people may write here; those that are read here are read here."""
+        self._elsewhere |= dict.fromkeys(names, where)
 
     def version(self, known: int) -> None:
         """Refuse another `format_version` than the one that is known."""
@@ -398,7 +403,8 @@ class Mapping:
         known = {name: self._synonyms.get(name) for name in (*self._asked, *also_known)}
         for name in self.content:
             if name not in known:
-                raise self.error("", f"unknown key '{name}'{nearest(name, known)}")
+                hint = f"; {self._elsewhere[name]}" if name in self._elsewhere else nearest(name, known)
+                raise self.error("", f"unknown key '{name}'{hint}")
 
     @contextmanager
     def reading(self, *also_known: str) -> Generator[Mapping]:

@@ -11,13 +11,14 @@ from linkwright.core.arm.actuators import Actuator, load_actuators
 from linkwright.core.arm.chain.balance import PointMass
 from linkwright.core.arm.chain.chain import FloatVector, Joint, JointType, Link, Zones
 from linkwright.core.arm.chain.vectors import ZERO, Rotation, compose, from_roll_pitch_yaw, norm, snap_vector, unit
+from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.files.origin import along, is_modified, modified_dh, read_dh, standard_dh
 from linkwright.core.arm.files.structures import read_flange, read_guide, running_out
 from linkwright.core.materials.catalogue import Catalogue
 from linkwright.core.sections import SHAPES, SectionError, load_stock
 from linkwright.core.sections.section import Section
 from linkwright.core.sections.taper import build_tapered
-from linkwright.core.units.names import meant
+from linkwright.core.units.names import Known, meant
 from linkwright.core.units.quantities import InputError, read_number, read_quantity, shown
 from linkwright.core.units.reading import Mapping
 
@@ -44,6 +45,15 @@ _JOINT_CALLED = MappingProxyType(
     }
 )
 """What people call the keys of a joint as well."""
+_TYPES = MappingProxyType(
+    {
+        "revolute": Known(("hinge", "rotary", "rotational", "rotation", "pivot", "pin", "continuous")),
+        "prismatic": Known(("linear", "translational", "translation", "slider")),
+        "slide": None,
+    }
+)
+"""Types of joints, with what people call them as well."""
+_AN_EFFECT = "it is an effect, which stands in the arm file's list `effects`"
 _LINK_CALLED = MappingProxyType(
     {
         "length": ("l", "len"),
@@ -126,8 +136,9 @@ def _of_dh(
 def _joint(mapping: Mapping, size: int, catalogue: Catalogue) -> tuple[Joint, Motor | None]:
     with mapping.reading():
         mapping.also_called(_JOINT_CALLED)
+        mapping.elsewhere(EFFECTS, _AN_EFFECT)
         motor = read_motor(mapping, size)
-        word = mapping.choice("type", ("revolute", "prismatic", "slide"), "revolute")
+        word = mapping.choice("type", _TYPES, "revolute")
         kind = cast(JointType, "prismatic" if word == "slide" else word)
         turns = kind == "revolute"
         motion = "angle" if turns else "length"
@@ -231,7 +242,8 @@ def _tilting(mapping: Mapping, turns: bool, actuator: Actuator | None) -> float 
     if value is None:
         return None if actuator is None else actuator.tilting_stiffness
     if not turns:
-        raise mapping.error("tilting_stiffness", "is of the bearing of a joint that turns; a slide has rail_pitch")
+        would_do = "of a slide write rail_pitch under `effects`"
+        raise mapping.error("tilting_stiffness", f"is of the bearing of a joint that turns; {would_do}")
     if value <= 0.0:
         raise mapping.error("tilting_stiffness", "must be positive; leave it out for a rigid bearing")
     return value
@@ -272,6 +284,7 @@ def _axis(mapping: Mapping, default: str) -> FloatVector:
 def _link(mapping: Mapping, link: Link, catalogue: Catalogue) -> Link:
     with mapping.reading("length", "bends_over"):
         mapping.also_called(_LINK_CALLED)
+        mapping.elsewhere(EFFECTS, _AN_EFFECT)
         if mapping.has("masses"):
             link = replace(link, masses=read_masses(mapping))
         flange, weight = read_flange(mapping)

@@ -6,6 +6,7 @@ import math
 import re
 from abc import ABC, abstractmethod
 from collections.abc import Mapping, Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from os import PathLike
 from pathlib import Path
@@ -65,7 +66,7 @@ _BESIDE = (
     Row(UPPER, "upper bound of the worst error", MAX_ERROR),
     Row(LOWER, "lower bound of the worst error", MAX_ERROR),
     Row(ROBUST, "worst error over what is uncertain", MAX_ERROR),
-    Row(DRIVES, "first frequency of the drives alone", FIRST_FREQUENCY),
+    Row(DRIVES, "first frequency with rigid links", FIRST_FREQUENCY),
 )
 
 
@@ -266,7 +267,8 @@ def pose_of(model: Model, pose: Sequence[Quantity] | str) -> tuple[float, ...]:
     joints."""
     words = _words(pose, model.size) if isinstance(pose, str) else pose
     if len(words) != model.size:
-        raise InputError("", "pose", f"needs {model.size} numbers, one for each joint, not {len(words)}")
+        given = f"{len(words)} {'is' if len(words) == 1 else 'are'} given"
+        raise InputError("", "pose", f"needs {model.size} values, one for each joint, and {given}")
     kinds = ["angle" if joint.revolute else "length" for joint in model.joints]
     units = ["deg" if isinstance(pose, str) and joint.revolute else "mm" for joint in model.joints]
     return tuple(
@@ -281,7 +283,18 @@ def _words(text: str, size: int) -> list[str]:
     """The numbers of a pose, with the units behind them."""
     parts = [word.strip() for word in re.split(r"[,\s]+(?=[-+.\d])", text.strip())]
     blanks = text.replace(",", " ").split()
-    return blanks if len(blanks) == size != len(parts) else parts
+    if len(blanks) != size or all(map(_has_unit, parts)):
+        return parts
+    return blanks
+
+
+def _has_unit(word: str) -> bool:
+    """Whether it is an angle or a length with its unit."""
+    for kind in ("angle", "length"):
+        with suppress(InputError):
+            in_si(word, kind, "pose")
+            return True
+    return False
 
 
 def _number(word: str | float, unit: str) -> float:

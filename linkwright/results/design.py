@@ -146,7 +146,7 @@ def figures(evaluation: Evaluation, known: Mapping[str, Figure] = FIGURES) -> li
         rows.append((item.title_for(evaluation.arm), amount(value, item.unit), note))
         if item.name == FIRST_FREQUENCY.name and evaluation.frequency_of_drives is not None:
             drives = amount(evaluation.frequency_of_drives.value, item.unit)
-            rows.append(("first frequency of the drives alone", drives, "least, were the links rigid"))
+            rows.append(("first frequency with rigid links", drives, "least, of drives and bearings alone"))
     return rows
 
 

@@ -398,9 +398,10 @@ def describe_infeasible(result: Infeasibility) -> Description:
     items: list[Item] = [Paragraph(item.text, "warning") for item in result.out_of_reach]
     items += [Paragraph(f"{result.rests_on}; {result.kept} kept", "under")]
     if rows:
-        items.append(table(("limit", "alone would have to be", "in the smallest joint change"), rows))
+        items.append(table(("limit", "alone would have to be", "in the smallest change, together"), rows))
     if result.joint_sum is not None:
-        text = f"the joint change is {with_unit(100.0 * result.joint_sum, '%', 3)} in sum (logarithms of the ratios)"
+        change = with_unit(100.0 * result.joint_sum, "%", 3)
+        text = f"the smallest change of the limits, together, is {change} in sum (logarithms of the ratios)"
         items.append(Paragraph(text, "under"))
     head = "No design keeps all limits" if result.verdict == "infeasible" else "Could not be decided"
     return Description(head, head, tuple(items), head)

@@ -88,7 +88,7 @@ class Infeasibility:
             parts.append(f"each alone, the others kept: {', '.join(alone)}")
             if self.joint and self.joint_sum is not None:
                 joint = " and ".join(f"{item.limit.name} {changed(item.limit, item.needed)}" for item in self.joint)
-                parts.append(f"smallest joint change: {joint}")
+                parts.append(f"smallest change of the limits, together: {joint}")
         if self.verdict == "undecided":
             words = f"could not be decided: the solver failed on {self.unsolved} of {self.looked_at} combinations"
             text = f"{words}, the others keep no set of limits" if self.unsolved < self.looked_at else words

@@ -74,7 +74,11 @@ WRONG = [
     (("evaluate", "arm.yaml", "--pose", "10"), "--pose"),
     (("evaluate", "arm.yaml", "--pose", "10 x"), "'x'"),
     (("evaluate", "arm.yaml", "--pose", "10 nan"), "'nan'"),
-    (("evaluate", "arm.yaml", "--pose", "10 deg, 20 deg, 5 deg"), "not 3"),
+    (
+        ("evaluate", "arm.yaml", "--pose", "10 deg, 20 deg, 5 deg"),
+        "for each joint, and 3 are given",
+    ),
+    (("evaluate", "arm.yaml", "--pose", "10 deg"), "needs 2 values, one for each joint, and 1 is given"),
     (("evaluate", "arm.yaml", "--json", "."), "folder"),
     (("evaluate", "arm.yaml", "--json", "arm.yaml"), "input"),
     (("evaluate", "arm.yaml", "--json", "no/where.json"), "no/where.json"),
@@ -114,6 +118,26 @@ def test_a_key_that_nobody_knows_names_file_and_key(linkwright, bench):
     status, _, err = linkwright("evaluate", "arm.yaml")
     assert status == 2
     assert re.match(r"arm\.yaml: chain\[1\]\.joint: [^:]*'backlsh'.*'backlash'", err)
+
+
+@pytest.mark.parametrize(
+    ("key", "message"),
+    [
+        ("type: hinge", "'hinge' is not one of revolute, prismatic, slide; did you mean 'revolute'?"),
+        (
+            "rail_pitch: 1 mrad",
+            "'rail_pitch'; it is an effect, which stands in the arm file's list `effects`",
+        ),
+        (
+            "type: slide, range: [0 mm, 1 mm], tilting_stiffness: 1 kN*m/rad",
+            "of a slide write rail_pitch under `effects`",
+        ),
+    ],
+)
+def test_a_word_of_somebody_else_is_answered_with_ours(linkwright, bench, key, message):
+    text = f"chain:\n  - joint: {{{key}}}\n    link: {{length: 1 m, rigid: true, mass: 1 kg}}\n"
+    (bench / "other.yaml").write_text(text, encoding="utf-8")
+    assert message in linkwright("evaluate", "other.yaml")[2]
 
 
 def test_a_missing_figure_names_the_arm_file(linkwright, bench):

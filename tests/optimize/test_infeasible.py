@@ -193,7 +193,7 @@ def test_command_says_why_and_writes_it(tmp_path: Path, capsys: pytest.CaptureFi
     captured = capsys.readouterr()
     assert captured.err.count("\n") == 1
     assert "would have to be" in captured.err
-    assert "smallest joint change" in captured.out
+    assert "in the smallest change, together" in captured.out
     content = json.loads(target.read_text(encoding="utf-8"))
     assert content["status"] == "infeasible"
     entries = content["infeasible"]["limits"]
