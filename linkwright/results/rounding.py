@@ -41,9 +41,7 @@ def first_words(result: OptimizationResult) -> list[Paragraph]:
     words = rounding_words(rounded)
     return [
         Paragraph(f"rounded to {words}: {rounding_headline(result, rounded)}", "strong"),
-        Paragraph(
-            f"{design.as_sentence(design.bound_words(rounded.evaluation))} As computed, before rounding:", "under"
-        ),
+        Paragraph(design.as_sentence(design.bound_words(rounded.evaluation)), "under"),
     ]
 
 
