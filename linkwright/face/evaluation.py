@@ -267,8 +267,8 @@ def pose_of(model: Model, pose: Sequence[Quantity] | str) -> tuple[float, ...]:
     joints."""
     words = _words(pose, model.size) if isinstance(pose, str) else pose
     if len(words) != model.size:
-        given = f"{len(words)} {'is' if len(words) == 1 else 'are'} given"
-        raise InputError("", "pose", f"needs {model.size} values, one for each joint, and {given}")
+        needed = f"{model.size} {'value is' if model.size == 1 else 'values are'} needed, one for each joint"
+        raise InputError("", "pose", f"{needed}, and {len(words)} {'is' if len(words) == 1 else 'are'} given")
     kinds = ["angle" if joint.revolute else "length" for joint in model.joints]
     units = ["deg" if isinstance(pose, str) and joint.revolute else "mm" for joint in model.joints]
     return tuple(

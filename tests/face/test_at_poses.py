@@ -114,10 +114,10 @@ def test_every_way_to_say_poses(tmp_path):
     ("pose", "says"),
     [
         ("20 mm, 0, 0", "pose[1]: '20 mm' is a length"),
-        ("20, 30", "needs 3 numbers"),
+        ("20, 30", "3 values are needed"),
         ("20, 30, x", "'x' is not a number"),
         ("none.csv", "there is no such file"),
-        ([["1 deg", "2 deg"]], "needs 3 numbers"),
+        ([["1 deg", "2 deg"]], "3 values are needed"),
     ],
 )
 def test_a_pose_that_is_none_is_told_in_a_line(pose, says):

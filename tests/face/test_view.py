@@ -104,7 +104,7 @@ def test_what_has_no_mass_is_shown_unbent_and_what_has_no_arm_is_refused():
     figure = lw.show(arm)
     assert "bent" not in {item.name for item in figure.data}
     assert "a mass is not known" in figure.layout.title.text
-    with pytest.raises(lw.InputError, match="needs 1 numbers"):
+    with pytest.raises(lw.InputError, match="1 value is needed"):
         lw.show(arm, pose="0 0")
     proposed = lw.columns(EXAMPLES / "hidden-backlash" / "recording.csv", EXAMPLES / "hidden-backlash" / "arm.yaml")
     with pytest.raises(lw.InputError, match="takes an arm or a result that has one"):

@@ -78,7 +78,7 @@ WRONG = [
         ("evaluate", "arm.yaml", "--pose", "10 deg, 20 deg, 5 deg"),
         "for each joint, and 3 are given",
     ),
-    (("evaluate", "arm.yaml", "--pose", "10 deg"), "needs 2 values, one for each joint, and 1 is given"),
+    (("evaluate", "arm.yaml", "--pose", "10 deg"), "2 values are needed, one for each joint, and 1 is given"),
     (("evaluate", "arm.yaml", "--json", "."), "folder"),
     (("evaluate", "arm.yaml", "--json", "arm.yaml"), "input"),
     (("evaluate", "arm.yaml", "--json", "no/where.json"), "no/where.json"),
