@@ -35,8 +35,7 @@ _DRAWS = 16
 @dataclass(frozen=True)
 class Room:
     """Where poses may put an arm: out of the regions to `avoid`, and with all joints' frames and tips `within` one
-    (None: anywhere). `spans` are the joint coordinates (rad, m; least and greatest) at which that one was gone
-    through."""
+    (None: anywhere), its joints within `spans` (rad, m; least and greatest; none: the whole of their ranges)."""
 
     avoid: tuple[Region, ...] = ()
     within: Region | None = None
@@ -47,8 +46,16 @@ class Room:
         """Whether any pose will do."""
         return not self.avoid and self.within is None
 
+    def of_box(self, low: Array, high: Array) -> tuple[Array, Array]:
+        """What of a box of joint coordinates (n,), rad and m, lies in `spans`; where nothing does, their nearest."""
+        if not self.spans:
+            return low, high
+        least, most = np.array(self.spans).T
+        return np.clip(low, least, most), np.clip(high, least, most)
+
     def allows(self, arm: Arm, q: Array) -> NDArray[np.bool_]:
-        """Which of some whole poses q (P, n), rad and m, put nothing of an arm where it may not be."""
+        """Which of some whole poses q (P, n), rad and m, put nothing of an arm where it may not be, whatever their
+        joint coordinates."""
         if self.everywhere:
             return np.ones(len(q), dtype=np.bool_)
         allowed = ~meets(arm, q, self.avoid) if self.avoid else np.ones(len(q), dtype=np.bool_)
@@ -67,7 +74,8 @@ class Room:
 
 def room_of(arm: Arm, recorded: Array | None, avoid: Sequence[Region] = ()) -> Room:
     """Where proposed poses may put an arm: out of what its file and others say is to be avoided; where nobody says
-    anything, within the box of all joints' frames and tips at the poses that were `recorded` (N, n)."""
+    anything, within the boxes of the joint coordinates and of all joints' frames and tips at the poses that were
+    `recorded` (N, n). Both are asked: a frame gets back into its box by a turn that was never recorded."""
     regions = tuple(dict.fromkeys((*arm.avoid, *avoid)))
     if regions or recorded is None:
         return Room(regions)
@@ -78,18 +86,13 @@ def room_of(arm: Arm, recorded: Array | None, avoid: Sequence[Region] = ()) -> R
 def drawn(room: Room, box: tuple[Array, Array], draw: Draw, allowed: Allowed, count: int) -> Array:
     """The first `count` poses (P, n) that are allowed, fewer where sixteen draws bring no more.
 
-    A draw gives points in a box of joint coordinates, its least and greatest (n,): by turns the whole `box`, and what
-    of it was gone through where the arm is to stay there. `allowed` gives whole poses of those points, less those that
-    may not be.
+    A draw gives points in what of a `box` of joint coordinates, its least and greatest (n,), is in the room. `allowed`
+    gives whole poses of those points, less those that may not be.
     """
-    low, high = box
-    boxes = [box]
-    if room.spans:
-        least, most = np.array(room.spans).T
-        boxes.append((np.clip(least, low, high), np.clip(most, low, high)))
+    low, high = room.of_box(*box)
     drawn_poses: list[Array] = []
-    for number in range(1 if room.everywhere else _DRAWS):
-        drawn_poses.append(allowed(draw(*boxes[number % len(boxes)])))
+    for _ in range(1 if room.everywhere else _DRAWS):
+        drawn_poses.append(allowed(draw(low, high)))
         if sum(map(len, drawn_poses)) >= count:
             break
     return np.concatenate(drawn_poses)[:count]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -63,7 +63,7 @@ def tried_visits(arm: Arm, asked: Asked) -> Tried:
     from scipy.stats import qmc  # here, for it loads all of scipy's statistics, and few diagnoses try poses
 
     run = approach(arm)
-    low, high = low + run, high - run
+    low, high = asked.room.of_box(low + run, high - run)
     sobol = qmc.Sobol(arm.size, scramble=True, rng=rng)
     count = 2 ** math.ceil(math.log2(rules.tried))
     poses = drawn(
@@ -106,12 +106,15 @@ def _touching(
 ) -> tuple[Array, NDArray[np.bool_], NDArray[np.int64], Array]:
     """Postures near some poses (P, n) in which the arm touches one of some points, planes or bars again, which of them
     are near poses spread over the ranges, what each touches (from 0) and how far along its bar, m."""
+    ends = request.room.of_box(*np.array([joint.range for joint in arm.joints]).T)
+    joints = zip(arm.joints, *(end.tolist() for end in ends), strict=True)
+    there = replace(arm, joints=tuple(replace(joint, range=(least, most)) for joint, least, most in joints))
     planes = request.instrument == "plane"
     least = (2 if planes else 1) * _TOUCHES
     count = request.bars or max(1, request.poses // least)
     try:
         touches = touched(
-        arm, q, np.arange(len(q)), np.zeros((len(q), 3)), lambda at: nominal(arm, at, 3)[0],
+        there, q, np.arange(len(q)), np.zeros((len(q), 3)), lambda at: nominal(arm, at, 3)[0],
         np.random.default_rng(request.seed), planes=planes, bar=request.bar, count=count, reached=True,
     )  # fmt: skip
     except InputError:
@@ -126,7 +129,8 @@ def _touching(
 def _may_be_come_to(q: Array, run: Array, arm: Arm, request: Asked) -> NDArray[np.bool_]:
     """Which poses keep to their room and can be come to from both sides."""
     low, high = (np.array([joint.range[end] for joint in arm.joints]) for end in (0, 1))
-    inside = np.asarray(((q >= low + run - 1e-9) & (q <= high - run + 1e-9)).all(axis=1), dtype=np.bool_)
+    low, high = request.room.of_box(low + run, high - run)
+    inside = np.asarray(((q >= low - 1e-9) & (q <= high + 1e-9)).all(axis=1), dtype=np.bool_)
     for sign in () if request.room.everywhere else (0.0, 1.0, -1.0):
         inside &= request.room.allows(arm, completed(arm, q + sign * run))
     return inside

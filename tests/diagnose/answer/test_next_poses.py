@@ -122,6 +122,9 @@ def test_where_nobody_says_what_to_avoid_poses_stay_where_the_arm_was(asked):
     arm, recording = namer.prepared.observed.arm_given, namer.prepared.observed.recording
     result = proposed(namer, member, others)
     there, here = (frames_and_tips(arm, q).reshape(-1, 3) for q in (recording.q, np.array([p.q for p in result.poses])))
+    q = np.array([pose.q for pose in result.poses])
+    assert (q >= recording.q.min(axis=0) - 1e-4).all()
+    assert (q <= recording.q.max(axis=0) + 1e-4).all()
     assert (here >= there.min(axis=0) - 1e-8).all()
     assert (here <= there.max(axis=0) + 1e-8).all()
     assert "not checked for collisions" in result.note

@@ -25,6 +25,7 @@ from linkwright.core.diagnose.search.aliases import likenesses
 from linkwright.core.diagnose.search.naming import Namer
 from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.diagnose.core_cases import with_effects
+from tests.diagnose.instruments.six_joint_arm import six_joint_arm
 from tests.diagnose.made_diagnosis import made_arm
 
 FAST = replace(RULES, plan=replace(RULES.plan, tried=64, rivals=3, passes=1), search=replace(RULES.search, draws=199))
@@ -208,6 +209,28 @@ def test_a_plan_after_a_recording_stays_where_that_was():
         assert (points >= held.min(axis=0) - 1e-8).all()
         assert (points <= held.max(axis=0) + 1e-8).all()
     assert result.size >= 4 * FAST.plan.tried
+
+
+def turning_wrist():
+    """Six axes that may each turn once around and back, as those of many robots."""
+    arm = six_joint_arm()
+    return replace(arm, joints=tuple(replace(joint, range=(-2.0 * np.pi, 2.0 * np.pi)) for joint in arm.joints))
+
+
+@pytest.mark.parametrize("instrument", ["tracker", "same_point"])
+@pytest.mark.parametrize("seed", range(4))
+def test_no_pose_leaves_the_recorded_box_of_joints(instrument, seed):
+    """Where the joints may turn around, as a turn that puts all frames back where they were recorded must not; a joint
+    that stood still stays so."""
+    arm, rng = turning_wrist(), np.random.default_rng(seed)
+    middle, half = rng.uniform(-4.0, 4.0, arm.size), rng.uniform(0.8, 1.8, arm.size)
+    half[rng.integers(arm.size)] = 0.0
+    recorded = middle + rng.uniform(-1.0, 1.0, (60, arm.size)) * half
+    asked = replace(ASKED, poses=6, instrument=instrument, room=room_of(arm, recorded), seed=seed)
+    q = tried_visits(arm, asked).q
+    written = np.deg2rad(1e-3)
+    assert (q >= recorded.min(axis=0) - written).all()
+    assert (q <= recorded.max(axis=0) + written).all()
 
 
 def random_patterns(rng, visits=40, columns=7, nuisances=2):
