@@ -12,12 +12,11 @@ from numpy.typing import NDArray
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
+from .model.chance import DRAWS
 from .result import Change, MotionUnknown, OfJoint
 
 _BINS = 10
 """Bins of equal counts over whatever the residual may depend on."""
-_DRAWS = 199
-"""Circular shifts for each test."""
 
 
 @dataclass(frozen=True)
@@ -90,7 +89,7 @@ def _shifts(log: NDArray[np.int64], seed: int) -> list[NDArray[np.int64]]:
     random = np.random.default_rng(seed)
     places = [np.flatnonzero(log == number) for number in np.unique(log)]
     shifts: list[NDArray[np.int64]] = []
-    for _ in range(_DRAWS):
+    for _ in range(DRAWS):
         order = np.arange(len(log))
         for place in places:
             order[place] = np.roll(

@@ -99,7 +99,7 @@ NO_RULES = {
     "motion/model/candidates.py": {"_BETWEEN", "_MOST_VARIANTS", "_PROBED"},  # what a scan is for
     "motion/model/groups.py": {"SHARPER"},
     "motion/model/steps.py": {"_ROUNDING"},
-    "motion/model/chance.py": {"_DRAWS"},
+    "motion/model/chance.py": {"DRAWS"},
     # half of chi-squared; what is tried; no prior; Akaike's nat
     "motion/model/evidence.py": {"LIKELY", "SCALES", "_FREE", "_MULTIPLES", "_SPARING"},
     "motion/model/feasible.py": {
@@ -115,7 +115,7 @@ NO_RULES = {
     },
     "motion/model/identify.py": {"_FOLDS", "_MOST_ROUNDS", "_ROUNDS", "_SETTLED"},
     "motion/model/noise.py": {"_PASSES"},
-    "motion/model/ripple.py": {"_DRAWS", "_EACH"},
+    "motion/model/ripple.py": {"DRAWS", "_EACH"},
     "motion/model/search.py": {"_MOST", "_MOST_FOR_ONE", "_PROMISING"},  # how far a search looks
     "motion/preparation.py": {
         "STRETCH",
@@ -133,7 +133,7 @@ NO_RULES = {
     "motion/rollout/windows.py": {"_ROUNDS"},
     "motion/sentences.py": {"_SAID"},
     "motion/simulate.py": {"_NOISE"},
-    "motion/unknown.py": {"_BINS", "_DRAWS"},
+    "motion/unknown.py": {"_BINS"},
     "motion/uses/expected.py": {"RATE", "_CLOCK", "_NOISE"},
     "motion/uses/plan.py": {"_HARMONICS", "_STARTS, _STEPS", "_WRITTEN"},
     "motion/uses/traces.py": {"_DRAWN"},

@@ -14,8 +14,8 @@ from .evidence import Member, System, offered
 from .noise import Noise
 from .products import Products
 
-_DRAWS = 199
-"""Draws of signs for each test."""
+DRAWS = 199
+"""Draws of signs, and of circular shifts, for each test."""
 
 
 @dataclass(frozen=True)
@@ -50,7 +50,7 @@ def chance(system: System, products: Products, noise: Noise, discrepancy: Array,
     cause, of standard deviation `discrepancy` (W,)."""
     scores = products.scores(noise.sizes, noise.weights * np.sqrt(noise.taken))
     rng = np.random.default_rng(seed)
-    signs = rng.choice((-1.0, 1.0), size=(products.blocks, _DRAWS))
-    trifles = discrepancy[:, None] * rng.standard_normal((len(discrepancy), _DRAWS))
+    signs = rng.choice((-1.0, 1.0), size=(products.blocks, DRAWS))
+    trifles = discrepancy[:, None] * rng.standard_normal((len(discrepancy), DRAWS))
     gram, _, _ = products.whole(noise.weights)
     return Chance(system.seen.T @ (scores.T @ signs + gram @ trifles))

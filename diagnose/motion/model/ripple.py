@@ -22,7 +22,7 @@ from .rows import LogRows
 
 _EACH = 3
 """Orders that are sought at a joint."""
-_DRAWS = 99
+DRAWS = 99
 """Draws of signs of blocks for each order that stands out."""
 
 
@@ -187,11 +187,11 @@ def _strongest(
     at = int(np.argmax(standing))
     if standing[at] < rules.motion.stands_out:
         return None
-    signs = rng.choice((-1.0, 1.0), size=(_DRAWS, len(sums)))
+    signs = rng.choice((-1.0, 1.0), size=(DRAWS, len(sums)))
     rows = count.sum(axis=0)
     drawn = np.abs(signs @ sums) ** 2 / np.maximum(rows, 1.0)
     drawn = np.where(seen, drawn / np.maximum(middle, 1e-300), 0.0).max(axis=1)
-    p_value = float((1 + np.sum(drawn >= standing[at])) / (_DRAWS + 1))
+    p_value = float((1 + np.sum(drawn >= standing[at])) / (DRAWS + 1))
     return (at, p_value) if p_value <= rules.residual.level else None
 
 

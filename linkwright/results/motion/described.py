@@ -7,6 +7,8 @@ from collections.abc import Sequence
 from pathlib import PurePath
 
 from linkwright.core.diagnose.motion.log import MotionLog
+from linkwright.core.diagnose.motion.model.chance import DRAWS
+from linkwright.core.diagnose.motion.model.ripple import DRAWS as OF_RIPPLE
 from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding, MotionUnknown, OfJoint, Rollout
 from linkwright.core.diagnose.motion.sentences import since_words
 from linkwright.core.units.lists import listed
@@ -20,7 +22,6 @@ from linkwright.results.diagnoses.words import (
     parameter_rows,
     place_words,
     portion,
-    probability,
     spoken,
     value,
     verdict_words,
@@ -50,6 +51,7 @@ from linkwright.results.figures_in_words import effect_title, figure, lasted, wi
 from .answer import answer, explained_share, largest_of, left_with_own, over, to_do
 from .words import (
     alias_sentence,
+    by_draws,
     dependence_words,
     finding_words,
     logs_words,
@@ -130,7 +132,7 @@ def brief(diagnosis: MotionDiagnosis) -> str:
 
 
 def _facts(diagnosis: MotionDiagnosis) -> Facts:
-    gate = f"any mismatch at all: p {probability(diagnosis.gate_p).text}"
+    gate = f"any mismatch at all: p {by_draws(diagnosis.gate_p, tests=2).text}"
     facts = [
         Fact("verdict", verdict_words(diagnosis.verdict, short=True), gate),
         Fact("noise floor", torque(diagnosis.noise_floor), "what the whole library leaves"),
@@ -160,7 +162,7 @@ def _joints(diagnosis: MotionDiagnosis) -> Section:
         unit = torque_unit(diagnosis.arm, item.joint)
         figures = (item.before, item.after, item.held_out, item.floor)
         depends = dependence_words(item.depends_on)
-        text = f"{depends} (p {probability(item.p_unknown).text})" if depends else ""
+        text = f"{depends} (p {by_draws(item.p_unknown).text})" if depends else ""
         if math.isnan(item.before):
             text = "stood still or not logged"
         bars = Bars(tuple(zip(("before", "after", "held"), _shares(item), strict=True)))
@@ -265,7 +267,8 @@ def _rest(diagnosis: MotionDiagnosis, finding: MotionFinding) -> list[Cell]:
     most = max(known, key=lambda k: finding.rms_explained[k])
     adds = torque(finding.rms_explained[most], torque_unit(diagnosis.arm, most + 1)).text
     where = "" if finding.at == (most + 1,) else f" at joint {most + 1}"
-    return [f"{adds}{where}", number(finding.evidence, 3), probability(finding.p_value)]
+    draws = OF_RIPPLE if finding.effect == "gear_ripple" else DRAWS
+    return [f"{adds}{where}", number(finding.evidence, 3), by_draws(finding.p_value, draws)]
 
 
 def _unknown(diagnosis: MotionDiagnosis, unknown: MotionUnknown) -> Section:

@@ -8,9 +8,10 @@ from pathlib import PurePath
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.motion.log import MotionLog
+from linkwright.core.diagnose.motion.model.chance import DRAWS
 from linkwright.core.diagnose.motion.result import Alternative, MotionDiagnosis, MotionFinding
 from linkwright.core.units.lists import listed
-from linkwright.results.diagnoses.words import covariate_words, effect_words
+from linkwright.results.diagnoses.words import covariate_words, effect_words, probability
 from linkwright.results.document import Value
 from linkwright.results.figures_in_words import figure, with_unit
 
@@ -31,6 +32,13 @@ def of_all_joints(each: Sequence[float]) -> float:
     """One figure of those of the joints (n,): the root of the mean of their squares, of those that are known."""
     known = [value for value in each if math.isfinite(value)]
     return math.sqrt(sum(value * value for value in known) / len(known)) if known else math.nan
+
+
+def by_draws(p: float, draws: int = DRAWS, tests: int = 1) -> Value:
+    """A p-value that is a share of draws, the least of several tests: where none reached what was seen, at most that of
+    one draw."""
+    least = p <= 1.001 * tests / (draws + 1)
+    return Value(f"≤ {figure(p, 2)}") if least else probability(p)
 
 
 def finding_words(finding: MotionFinding) -> str:

@@ -40,6 +40,13 @@ def test_answer_is_short(verdict):
     assert said.endswith(".")
 
 
+def test_a_p_value_that_no_draw_reached_is_a_bound(capsys):
+    """Of 199 draws one more would be 0.005, of the lesser of two tests 0.01; what draws did reach is a share."""
+    none, some = (on_screen(replace(made_motion(), gate_p=p), capsys) for p in (0.01, 0.02))
+    assert "any mismatch at all: p ≤ 0.01" in none
+    assert "any mismatch at all: p 0.02" in some
+
+
 def test_answer_names_the_largest():
     """By what it adds to all joints together, with its size, its share and what remains."""
     said = answer(made_motion())
