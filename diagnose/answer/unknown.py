@@ -68,7 +68,8 @@ def describe(
     predicted, share = _smooth(namer, known, folds, at)
     return Unknown(
         depends_on=on,
-        amplitude=rms_length(moved),
+        # Forms that findings balance move the tip by more than is missing: no more than these leave is unexplained.
+        amplitude=min(rms_length(moved), *(_left(prepared, members) for members in (known, ()))),
         shape=_shape(namer, known, leading, ranked, won, folds, noise_floor),
         forms=tuple(ranked),
         rejected=rejected_forms(namer, known, outside),
@@ -77,6 +78,11 @@ def describe(
         predicted=predicted if observed.view is None else None,  # no table of readings corrects a path
         held_out_share=share,
     )
+
+
+def _left(prepared: Prepared, members: Sequence[int]) -> float:
+    """What groups leave of the tip's residual (RMS length, m)."""
+    return rms_length(remaining(prepared, fit(prepared, members))[:, : prepared.observed.components])
 
 
 def _shape(

@@ -1,6 +1,7 @@
 """One description of a result, rendered for the screen, as HTML and as Markdown: all say the same."""
 
 import io
+from dataclasses import replace
 
 import pytest
 from markdown_it import MarkdownIt
@@ -16,6 +17,7 @@ from linkwright.report.described import page_of
 from linkwright.results import evaluation as evaluations
 from linkwright.results import optimization
 from linkwright.results.diagnoses import described as diagnoses
+from linkwright.results.diagnoses.answer import to_do
 from linkwright.results.document import (
     Bars,
     Description,
@@ -66,6 +68,17 @@ def _screen(description):
     out = io.StringIO()
     show(Console(file=out, width=400, highlight=False, markup=False), description)
     return out.getvalue()
+
+
+def test_gravity_that_nobody_gave_is_warned_of_first():
+    """Of an arm in space whose links weigh something, where something was found; not where the file gives it."""
+    arm = made_arm(space=True)
+    given, none = (made_diagnosis("named", arm=replace(arm, gravity_given=is_given)) for is_given in (True, False))
+    first = next(item for item in diagnoses.describe(none).items if isinstance(item, Paragraph))
+    assert (first.tone, first.text.partition(":")[0]) == ("warning", "No gravity is given")
+    assert "WARNING: No gravity is given" in _screen(diagnoses.describe(none))
+    assert "`gravity`" in to_do(none)[0]
+    assert "gravity" not in _screen(diagnoses.describe(given))
 
 
 def _one_line(text):

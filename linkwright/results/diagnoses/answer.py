@@ -5,8 +5,10 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from types import MappingProxyType
 
+from linkwright.core.arm.assumptions import default_gravity
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.effect import Condition
+from linkwright.core.arm.errors.unknown_mass import weighs_nothing
 from linkwright.core.diagnose.answer.sentences import WEIGHTLESS, chief, put_right, said_of_no_weight
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.result import Diagnosis, Finding, FittedParameter, Left
@@ -75,10 +77,7 @@ def _clauses(diagnosis: Diagnosis) -> list[str]:
     largest = _largest(diagnosis)
     if diagnosis.unknown is not None:
         on = [covariate_words(name) for name in diagnosis.unknown.depends_on[:3]]
-        # Causes may cancel: what nothing explains can be more than the mismatch, and is no share of it then.
-        part = diagnosis.unknown.amplitude < diagnosis.rms_before
-        opening = f"nothing in the library explains {mm(diagnosis.unknown.amplitude, 3)}"
-        opening += f" of the {mismatch} mismatch" if part else f" (the mismatch is {mismatch})"
+        opening = f"nothing in the library explains {mm(diagnosis.unknown.amplitude, 3)} of the {mismatch} mismatch"
         explained = "" if largest is None else f". {capital(name_words(largest))} describes part of the rest"
         return [opening, f". It depends on {listed(on)}" if on else "", explained]
     if largest is None:
@@ -148,9 +147,20 @@ def _share_of_first(diagnosis: Diagnosis) -> float | None:
     return max(0.0, 1.0 - (diagnosis.ladder[1].rms / diagnosis.ladder[0].rms) ** 2)
 
 
+def gravity_guessed(diagnosis: Diagnosis) -> str:
+    """That a mismatch was searched for causes under a weight whose direction nobody gave; empty elsewhere."""
+    masses = diagnosis.recording.payload_mass
+    carries = diagnosis.arm.payload.mass > 0.0 or (masses is not None and bool(masses.any()))
+    nothing = diagnosis.verdict in ("none", "insufficient_data") or (weighs_nothing(diagnosis.arm) and not carries)
+    said = [] if nothing else default_gravity(diagnosis.arm)
+    return f"{capital(said[0])}. What sags under weights cannot be told while that is wrong." if said else ""
+
+
 def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
     """What to do next, the most useful first; columns of a recording by their names."""
     lines: list[str] = []
+    if gravity_guessed(diagnosis):
+        lines.append("Write where gravity acts into the arm file (`gravity`), and diagnose again.")
     if said_of_no_weight(diagnosis.arm, diagnosis.verdict):
         lines.append("Write the links' masses into the arm file, or `mass: unknown` at each, and diagnose again.")
     if diagnosis.labels is not None:

@@ -37,7 +37,7 @@ from linkwright.results.document import (
 )
 from linkwright.results.figures_in_words import figure, lasted, mm
 
-from .answer import answer, to_do
+from .answer import answer, gravity_guessed, to_do
 from .evidence import (
     MOST_REJECTED,
     considered,
@@ -72,7 +72,9 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
     """A diagnosis, with the design that follows from it where one was asked for."""
     anything = bool(diagnosis.findings) or diagnosis.unknown is not None
     could = detectable(diagnosis, detail=diagnosis.verdict not in ("none", "insufficient_data"))
+    guessed = gravity_guessed(diagnosis)
     items: list[Item | None] = [
+        Paragraph(guessed, "warning") if guessed else None,
         _next_steps(diagnosis),
         Picture(lambda: side_by_side(arm_at_mismatch(diagnosis))),
         Paragraph(diagnosis.sentence),

@@ -36,6 +36,16 @@ def test_a_step_in_time(space):
     assert result.rms_after < 1.15 * result.noise_floor
 
 
+def test_no_more_is_unexplained_than_there_is():
+    """A joint that is off by its own coordinate moves the tip by more than is seen where frame and tool are fitted."""
+    arm, recording = null()
+    turned = 8.0 * SIGMA * (recording.q[:, 1] + 1.0) ** 2
+    moved = turned[:, None] * np.stack([-recording.tip[:, 1], recording.tip[:, 0]], axis=1)
+    result = diagnose(arm, replace(recording, tip=recording.tip + moved, frame="free", tool="free"))
+    assert result.verdict == "unknown"
+    assert 0.9 * result.rms_before < result.unknown.amplitude <= result.rms_before
+
+
 @pytest.mark.slow
 def test_a_long_recording_is_described_at_all_of_its_readings():
     """Of a long recording some visits are searched; what a controller takes off is told at every reading."""
