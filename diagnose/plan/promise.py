@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 
 import numpy as np
 
@@ -33,6 +34,8 @@ from .simulate import Plan, simulate
 from .torques import TorquePromise
 from .written import weightless
 
+Named = tuple[str, tuple[int, ...]]
+"""An effect and the joints or links (from 1) where it acts."""
 NEVER = 0.9999
 """Correlation: patterns as alike over all poses tried are distinguished by no pose."""
 
@@ -51,7 +54,7 @@ class Rival:
 @dataclass(frozen=True)
 class Shown:
     """The smallest size of a parameter that will be seen (SI unit of `kind`), `rms` (m) how far that moves the tip,
-    what is usual at most, its rivals, hardest first, and how many `others` there are, alike or not. Places count from
+    what is usual at most, its rivals, hardest first, and all `others` that there are, alike or not. Places count from
     1."""
 
     effect: str
@@ -62,7 +65,19 @@ class Shown:
     rms: float
     usual: float
     rivals: tuple[Rival, ...]
-    others: int
+    others: tuple[Named, ...]
+
+    @property
+    def pairs(self) -> frozenset[frozenset[Named]]:
+        """The pairs of it and another."""
+        return frozenset(frozenset(((self.effect, self.at), other)) for other in self.others)
+
+    @property
+    def open_pairs(self) -> frozenset[frozenset[Named]]:
+        """Those of them in which it is not distinguished from the other at usual sizes; all, where none shows."""
+        left = {(rival.effect, rival.at) for rival in self.inseparable}
+        seen = self.smallest <= self.usual
+        return frozenset(pair for pair in self.pairs if not seen or pair & left)
 
     @property
     def inseparable(self) -> tuple[Rival, ...]:
@@ -83,18 +98,23 @@ class Promise:
     drives' torques will tell."""
 
     shown: tuple[Shown, ...]
-    unseen: tuple[tuple[str, tuple[int, ...]], ...]
+    unseen: tuple[Named, ...]
     torques: tuple[TorquePromise, ...] = ()
 
     @property
     def pairs(self) -> int:
-        """How many pairs there are of a cause asked for, as far as it is seen, and another."""
-        return sum(item.others for item in self.shown)
+        """How many pairs there are of a cause asked for, as far as it is seen, and another; two that are both asked for
+        are one pair."""
+        return len(self._pairs)
 
     @property
     def separated(self) -> int:
-        """How many of those are distinguished at usual sizes."""
-        return sum(item.others - len(item.inseparable) for item in self.shown if item.smallest <= item.usual)
+        """How many of those are distinguished at usual sizes, whichever of the two is there."""
+        return len(self._pairs.difference(*(item.open_pairs for item in self.shown)))
+
+    @cached_property
+    def _pairs(self) -> frozenset[frozenset[Named]]:
+        return frozenset[frozenset[Named]]().union(*(item.pairs for item in self.shown))
 
 
 def promised(arm: Arm, recording: Recording, axes: Sequence[str], asked: Asked) -> Promise:
@@ -215,7 +235,8 @@ def _shown(prepared: Prepared, detected: Detectable, request: Asked) -> Shown:
     candidate = pool.groups[number].candidate
     usual = usual_size(candidate, detected.parameter)
     rivals = rivals_of(prepared, number, detected.parameter, request)
-    others = len({group.candidate.family for group in pool.groups if _may_be(candidate, group.candidate, request)})
+    there = [group.candidate for group in pool.groups if _may_be(candidate, group.candidate, request)]
+    others = tuple(dict.fromkeys((item.effect, item.numbers) for item in there))
     return Shown(
         detected.effect,
         detected.at,

@@ -86,7 +86,8 @@ def tried_visits(arm: Arm, asked: Asked) -> Tried:
     if asked.touches and len(q):
         q, random, label, along = _touching(arm, q, random, run, asked)
         if len(q) < asked.poses:
-            raise TooFewPostures(f"touches something again in {len(q)} postures only of {asked.poses} asked for")
+            within = f"in {len(q)} postures only of {asked.poses} asked for{_opened(asked)}"
+            raise TooFewPostures(f"touches something again {within}")
     if len(q) < asked.poses:
         reason = "what is to be avoided leaves" if asked.room.within is None else "where the arm was recorded there are"
         raise NoRoom(f"{reason} {len(q)} poses of the {asked.poses} asked for, of many tried")
@@ -120,10 +121,16 @@ def _touching(
     except InputError:
         raise TooFewPostures(
             f"touches nothing again within the joint ranges{'; a shorter one may do' if request.bar else ''}"
+            + _opened(request)
         ) from None
     clear = touches.keep & _may_be_come_to(touches.q, run, arm, request)
     whole = _clear(arm, touches.q[clear], run, Room())
     return whole, random[clear], touches.label[clear], touches.along[clear]
+
+
+def _opened(request: Asked) -> str:
+    """How there is more room, where poses keep to what was recorded."""
+    return "" if request.room.within is None else "; with regions to `avoid` the whole of the joint ranges is open"
 
 
 def _may_be_come_to(q: Array, run: Array, arm: Arm, request: Asked) -> NDArray[np.bool_]:

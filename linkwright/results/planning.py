@@ -68,7 +68,7 @@ def _apart(planned: Planned) -> tuple[Fact, ...]:
     of a different number of pairs, for causes that a plan does not see have none."""
     shown, pairs = planned.promise.separated, planned.promise.pairs
     by_chance, possible = planned.separated_at_random
-    facts = [Fact("pairs told apart", count(shown), f"of {pairs} (a cause, one to mistake it for), at usual sizes")]
+    facts = [Fact("pairs told apart", count(shown), f"of {pairs}, at usual sizes, whichever of the two is there")]
     if possible:
         text = f"of the {possible} pairs of causes that such poses see, for comparison"
         facts.append(Fact("told apart at random", count(by_chance), text))
@@ -138,7 +138,7 @@ def _row(planned: Planned, shown: Shown) -> tuple[str | Value, ...]:
         _size(shown.smallest, shown.kind),
         _size(planned.at_random(shown), shown.kind),
         _size(shown.usual, shown.kind),
-        _size(shown.resolved_size, shown.kind) if len(shown.inseparable) < shown.others else Value("–"),
+        _size(shown.resolved_size, shown.kind) if len(shown.inseparable) < len(shown.others) else Value("–"),
     )
 
 

@@ -174,7 +174,7 @@ def _shown(planned: Planned, shown: Shown) -> dict[str, Any]:
         "smallest": size(shown.smallest),
         "random": size(planned.at_random(shown)),
         "told_from": size(shown.resolved_size),
-        "others": shown.others,
+        "others": len(shown.others),
         "not_told": [
             {**fields(rival, "effect", "at", "likeness"), "told_from": size(rival.resolved_size)}
             for rival in shown.inseparable

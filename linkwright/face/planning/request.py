@@ -370,7 +370,9 @@ def _undecided(before: DiagnosisResult) -> tuple[Place, ...]:
 
 
 def _scatter(before: DiagnosisResult) -> float:
-    """What each component scatters by: the noise floor's, or what was declared."""
+    """What each component scatters by: the noise floor's, or what was declared; where nobody knows, what was found
+    leaves no more than that, and is no less than what a tracker scatters by."""
+    share = math.sqrt(before.recording.tip.shape[1])
     if before.noise_floor:
-        return before.noise_floor / math.sqrt(before.recording.tip.shape[1])
-    return before.recording.sigma or _NOISE
+        return before.noise_floor / share
+    return before.recording.sigma or max(before.rms_after / share, _NOISE)

@@ -12,6 +12,7 @@ import pytest
 import linkwright as lw
 from linkwright.core.arm.avoid.poses import meets
 from linkwright.core.arm.avoid.regions import between, beyond
+from linkwright.core.diagnose.plan.promise import Rival
 from linkwright.results.planning import describe
 
 ARM = Path(__file__).resolve().parents[3] / "examples" / "hidden-backlash" / "arm.yaml"
@@ -71,7 +72,8 @@ def test_the_loop_goes_by_planes_that_are_touched(linkwright):
     before = lw.diagnose(arm, "first.csv")
     assert before.verdict == "alias_class"
     again = ("--after", "first.csv", "--poses", "12", "--payload", "0 kg", "--payload", "5 kg", "--out", "next.csv")
-    assert linkwright("plan", arm, *again)[0] == 0
+    # Within the ranges recorded few postures touch one line; a region to avoid opens the whole of them.
+    assert linkwright("plan", arm, *again, "--avoid", "below y -9 m")[0] == 0
     assert linkwright("simulate", arm, "--at", "next.csv", *made, "--seed", "3", "--out", "second.csv")[0] == 0
     after = lw.diagnose(arm, ["first.csv", "second.csv"])
     assert after.verdict == "named"
@@ -189,6 +191,31 @@ def test_wrong_input_is_told_before_what_was_recorded_is_diagnosed(linkwright, b
     status, out, err = linkwright("plan", "arm.yaml", "--poses", "20", "--after", "r.csv", *option)
     assert (status, out, err.count("\n")) == (2, "", 1)
     assert err.startswith(named)
+
+
+def test_two_causes_that_are_both_asked_for_are_one_pair():
+    """All pairs of causes and no more; one is told apart where each of the two is told from the other."""
+    promise = lw.plan(ARM, poses=9, for_=["encoder_offset"], repeats=2, payloads=["1 kg"], seed=3).found.promise
+    causes = {(item.effect, item.at) for item in promise.shown}
+    named = [(cause, other) for item in promise.shown for cause in [(item.effect, item.at)] for other in item.others]
+    both = sum(cause in causes and other in causes for cause, other in named)
+    assert both > 0
+    assert promise.pairs == len(named) - both // 2
+    one = promise.shown[0]
+    rival = Rival(*one.others[0], 1.0, math.inf)
+    blind = replace(promise, shown=(replace(one, rivals=(rival,)), *promise.shown[1:]))
+    none = replace(promise, shown=tuple(replace(item, rivals=()) for item in promise.shown))
+    assert none.separated == none.pairs
+    assert replace(blind, shown=(blind.shown[0],)).separated == len(one.others) - 1
+
+
+def test_a_plan_takes_the_noise_of_a_recording_without_repeats(tmp_path):
+    """Where nothing else tells it what was found leaves no more than that: 60 um each of x and y."""
+    first = tmp_path / "first.csv"
+    lw.simulate(ARM, poses=30, repeats=1, noise="60 um").save(first)
+    result = lw.plan(ARM, poses=9, for_=["backlash"], after=first)
+    assert result.found.after.sigma is None
+    assert result.found.asked.sigma == pytest.approx(60e-6, rel=0.25)
 
 
 def headline_of(found, random):
