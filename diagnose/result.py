@@ -76,6 +76,17 @@ class FittedOrigin:
 
 
 @dataclass(frozen=True)
+class Placement:
+    """What a recording (empty: the only one) left free, where it was found: of a `frame` the base in the measuring
+    frame (x, y, z in m and fixed-axis roll, pitch and yaw in rad), of a `tool` the tip in the last link's frame at its
+    end (m), as an arm file's `tool` gives it; in a plane what lies in it."""
+
+    of: Literal["frame", "tool"]
+    recording: str
+    parameters: tuple[FittedParameter, ...]
+
+
+@dataclass(frozen=True)
 class Alternative:
     """What the data cannot tell from a named effect: where it acts (from 1), and how alike the two patterns are.
 
@@ -432,6 +443,7 @@ class Diagnosis:
     together (none named: one), `differences` what is not the same in all of them.
     `origins` are fixed transforms that the arm file leaves free, as they were found. `other_arms` says what tells apart
     recordings that seem to be of different arms (None: they do not).
+    `placements` are free frames and tools, as they were found.
     `noise_from` says whence the noise floor is known, `wandered` (RMS length, m) is what wanders with the instrument.
     `next_poses_enough` says whether the next poses, recorded once, tell the names that they help to tell; `exchanges`
     are sets of causes that the recording cannot tell from a set of findings. `set_aside` says what all figures leave
@@ -486,6 +498,7 @@ class Diagnosis:
     set_aside: SetAside | None = None
     rivals: Rivals | None = None
     small_together: float = 0.0
+    placements: tuple[Placement, ...] = ()
 
     def in_space(self, residual: Array) -> Array:
         """Residuals as displacements of the tip (N, D), m: along what was measured, where that is but a part."""

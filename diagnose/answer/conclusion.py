@@ -21,6 +21,7 @@ from linkwright.core.diagnose.fitting.identified_origins import identified_origi
 from linkwright.core.diagnose.judge.contradictions import contradictions
 from linkwright.core.diagnose.judge.for_file import ForFile, for_file
 from linkwright.core.diagnose.judge.needed import Needed, needed
+from linkwright.core.diagnose.judge.placements import placements
 from linkwright.core.diagnose.judge.predict import residual_under
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.residual.observed import rms_length
@@ -117,6 +118,9 @@ class Conclusion:
         corrected, origins = identified_origins(
             file.written.prepared, file.written.refit, file.written.outside, corrected, room, self.search
         )
+        free = any("free" in (one.frame, one.tool) for one in self.observed.recording.singles)
+        about = self.names.unnamed() if free and self.names.members else None
+        placed = placements(file.written.prepared, file.written.refit, file.written.outside, about)
         self.names.tell("choosing the next poses", 0.95)
         proposed = next_poses(
             self.names.namer,
@@ -201,6 +205,7 @@ class Conclusion:
             set_aside=set_aside(self.names),
             rivals=file.rivals,
             small_together=self.names.moved(needed_.small),
+            placements=placed,
         )
 
     def _whole_places(self) -> bool:

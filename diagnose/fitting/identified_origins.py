@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -24,7 +24,7 @@ from .room.unnamed import Unnamed
 
 _TOLD = 1e-9
 """Directions whose columns are less than this of the largest are not told at all."""
-_NEAR = 1e-6
+NEAR = 1e-6
 
 
 def identified_origins(
@@ -43,32 +43,56 @@ def identified_origins(
     ways = of_observed(observed)
     if not ways:
         return known(arm), ()
-    parts = [prepared.beside, *(t.columns if t.through is None else t.columns + t.through for t in fitted.terms)]
-    parts += [prepared.columns[m] for m in outside]
+    every = beside_names(prepared, fitted, outside, unnamed)
     # The transforms stand last among the nuisances.
-    first = prepared.beside.shape[2] - len(ways)
-    columns = slice(first, prepared.beside.shape[2])
-    design = observed.whitened(np.concatenate(parts, axis=2))
-    target = observed.residual - sum((term.moved for term in fitted.terms), np.zeros(1))
-    by = solved(design, observed.whitened(target))[columns]
-    size = np.linalg.norm(design, axis=0)
-    size = np.where(size > 0.0, size, 1.0)
-    u, singular, vt = np.linalg.svd(design / size, full_matrices=False)
-    good = singular > _TOLD * singular[0]
-    determined = (np.diag(vt[good].T @ vt[good]) > 1.0 - _NEAR)[columns]
-    inverse = (vt[good].T / singular[good] ** 2) @ vt[good] / size / size[:, None]
-    covariance = inverse * (fitted.rss / max(fitted.freedom, 1))
-    if unnamed is not None:
-        operator = (vt[good].T / singular[good]) @ u[:, good].T / size[:, None]
-        covariance = inverse * unnamed.variance + unnamed.beside(operator)
-    placed = moved(arm, ways, by)
+    columns = slice(len(every.sizes) - len(ways), len(every.sizes))
+    covariance, determined = every.covariance[columns, columns], every.determined[columns]
+    placed = moved(arm, ways, every.sizes[columns])
     origins = tuple(
-        _fitted_origin(placed, index, ways, covariance[columns, columns], determined, t_quantile(fitted.freedom))
+        _fitted_origin(placed, index, ways, covariance, determined, every.errors)
         for index in sorted({way.joint for way in ways})
     )
     return known(placed), tuple(
         replace(origin, swallowed=_swallowed(search, ways, origin.joint - 1)) for origin in origins
     )
+
+
+@dataclass(frozen=True)
+class Beside:
+    """The `sizes` of nuisances (b,), the `covariance` of these (b, b), which of them the readings tell (b,), and half
+    a 95 % interval in standard errors."""
+
+    sizes: Array
+    covariance: Array
+    determined: NDArray[np.bool_]
+    errors: float
+
+
+def beside_names(prepared: Prepared, fitted: Refit, outside: Sequence[int], unnamed: Unnamed | None) -> Beside:
+    """What the joint fit says of the nuisances, with room for what is not named where that is given."""
+    observed = prepared.observed
+    parts = [prepared.beside, *(t.columns if t.through is None else t.columns + t.through for t in fitted.terms)]
+    parts += [prepared.columns[m] for m in outside]
+    columns = slice(0, prepared.beside.shape[2])
+    design = observed.whitened(np.concatenate(parts, axis=2))
+    target = observed.residual - sum((term.moved for term in fitted.terms), np.zeros(1))
+    white = observed.whitened(target)
+    by = solved(design, white)
+    size = np.linalg.norm(design, axis=0)
+    size = np.where(size > 0.0, size, 1.0)
+    u, singular, vt = np.linalg.svd(design / size, full_matrices=False)
+    good = singular > _TOLD * singular[0]
+    determined = (np.diag(vt[good].T @ vt[good]) > 1.0 - NEAR)[columns]
+    inverse = (vt[good].T / singular[good] ** 2) @ vt[good] / size / size[:, None]
+    left = white - design @ by
+    # The arm file as it is comes without a fit.
+    known = bool(fitted.freedom)
+    rss, freedom = (fitted.rss, fitted.freedom) if known else (left @ left, len(left) - int(good.sum()))
+    covariance = inverse * (rss / max(freedom, 1))
+    if unnamed is not None:
+        operator = (vt[good].T / singular[good]) @ u[:, good].T / size[:, None]
+        covariance = inverse * unnamed.variance + unnamed.beside(operator)
+    return Beside(by[columns], covariance[columns, columns], determined, t_quantile(max(freedom, 1)))
 
 
 def _fitted_origin(
@@ -78,14 +102,14 @@ def _fitted_origin(
     roll, pitch, yaw = to_roll_pitch_yaw(joint.origin_rotation)
     values = dict(zip(("x", "y", "z", *TURNS), (*joint.origin_translation, roll, pitch, yaw), strict=True))
     indices = [k for k, way in enumerate(ways) if way.joint == index]
-    slopes = _angles_by_turns(pitch, yaw) if turned_whole(joint) else np.eye(3)
+    slopes = angles_by_turns(pitch, yaw) if turned_whole(joint) else np.eye(3)
     parameters: list[FittedParameter] = []
     turned = [k for k in indices if ways[k].turns]
     for k in indices:
         way = ways[k]
         if way.turns and turned_whole(joint):
             slope = slopes[TURNS.index(way.part), [TURNS.index(ways[other].part) for other in turned]]
-            sure = all(determined[other] or abs(s) < _NEAR for other, s in zip(turned, slope.tolist(), strict=True))
+            sure = all(determined[other] or abs(s) < NEAR for other, s in zip(turned, slope.tolist(), strict=True))
             error = float(np.sqrt(max(slope @ covariance[np.ix_(turned, turned)] @ slope, 0.0)))
         else:
             sure, error = bool(determined[k]), float(np.sqrt(max(covariance[k, k], 0.0)))
@@ -104,7 +128,7 @@ def _fitted_origin(
     return FittedOrigin(index + 1, joint.origin_translation, (roll, pitch, yaw), tuple(parameters))
 
 
-def _angles_by_turns(pitch: float, yaw: float) -> Array:
+def angles_by_turns(pitch: float, yaw: float) -> Array:
     """How fixed-axis roll, pitch and yaw grow with small turns about the axes of the frame before (3, 3)."""
     z = np.array([0.0, 0.0, 1.0])
     y = Rotation.from_euler("z", yaw).apply([0.0, 1.0, 0.0])

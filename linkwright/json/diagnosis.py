@@ -22,6 +22,7 @@ from linkwright.core.diagnose.result import (
     Mislabelled,
     NextPose,
     OfRecording,
+    Placement,
     RejectedForm,
     SetAside,
     SmallBeside,
@@ -154,6 +155,24 @@ def _origin(origin: FittedOrigin) -> dict[str, Any]:
     }
 
 
+def _placements(placements: Sequence[Placement], of: str) -> list[dict[str, Any]]:
+    """Free frames (the base in the measuring frame) or tools (the tip at the last link's end), one a recording."""
+    held: list[dict[str, Any]] = []
+    for item in placements:
+        if item.of == of:
+            lengths, angles = ([each for each in item.parameters if each.kind == k] for k in ("length", "angle"))
+            turned = {"rpy_deg": [0.0] * (3 - len(angles)) + [math.degrees(each.value) for each in angles]}
+            held.append(
+                {
+                    "recording": item.recording or None,
+                    "xyz_mm": [in_mm(each.value) for each in lengths],
+                    **(turned if angles else {}),
+                    "parameters": {each.name: parameter_json(each) for each in item.parameters},
+                }
+            )
+    return held
+
+
 def _exchange(exchange: Exchange) -> dict[str, Any]:
     return {
         "instead_of": [[effect, list(at)] for effect, at, _ in exchange.instead_of],
@@ -208,6 +227,8 @@ def diagnosis_json(diagnosis: Diagnosis) -> dict[str, Any]:
         **fields(diagnosis, "small_together_mm"),
         "exchanges": [_exchange(exchange) for exchange in diagnosis.exchanges],
         "origins": [_origin(origin) for origin in diagnosis.origins],
+        "frame": _placements(diagnosis.placements, "frame"),
+        "tool": _placements(diagnosis.placements, "tool"),
         "where": fields(where, "joint", "depends_on", "direction", "since_s=since", "joint_shares"),
         "dependences": [fields(dependence, "on", "p_value", "share") for dependence in where.dependences],
         "unknown": None if diagnosis.unknown is None else _unknown(diagnosis.unknown),

@@ -86,6 +86,7 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
         arms_of_recordings(diagnosis) if diagnosis.findings and unit_files(diagnosis.recordings) else None,
         _findings(diagnosis) if diagnosis.findings else None,
         _origins(diagnosis) if diagnosis.origins else None,
+        _placements(diagnosis) if diagnosis.placements else None,
         None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
         where_it_sits(diagnosis) if anything else could,
         section("Residuals over the workspace", Picture(lambda: residual_maps(diagnosis)), detail=True),
@@ -213,6 +214,23 @@ def _origins(diagnosis: Diagnosis) -> Section:
         table(("in front of", "shift in the frame before it, and fixed-axis turn"), rows),
         *(Paragraph(said) for said in swallowed),
     )
+
+
+def _placements(diagnosis: Diagnosis) -> Section:
+    """Where free frames and tools were found, one row each."""
+    means = {
+        "frame": "the base in the measuring frame, and its fixed-axis turn",
+        "tool": "the tip at the last link's end, as `tool: {xyz: [...]}` of an arm file",
+    }
+    rows = [
+        (
+            f"{item.of}, {item.recording}" if item.recording else item.of,
+            "; ".join(about_of(parameter) for parameter in item.parameters),
+            means[item.of],
+        )
+        for item in diagnosis.placements
+    ]
+    return section("Frame and tool that were free", table(("fitted", "value, 95 % interval", "means"), rows))
 
 
 def _findings(diagnosis: Diagnosis) -> Section:
