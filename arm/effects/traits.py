@@ -89,7 +89,8 @@ class DriveTraits:
     `needed` marks what only a drive does: a passive joint has none. `gives` marks how drives give: it adds to what the
     arm file gives them, the whole may not become negative, and under links of unknown weight only its product with that
     weight can be known. `before_encoder` marks what moves the joint away from its command but is seen by the encoder:
-    it moves the tip only as long as the coordinates are commands. `curve` gives a joint's error (rad) at coordinates
+    it moves the tip only as long as the coordinates are commands. `across` marks what a joint does beside its
+    coordinate, of which an encoder on it sees nothing. `curve` gives a joint's error (rad) at coordinates
     (rad) by the parameters' values, for what is drawn as a curve.
 
     >>> import linkwright as lw
@@ -100,6 +101,7 @@ class DriveTraits:
     needed: bool = False
     gives: bool = False
     before_encoder: bool = False
+    across: bool = False
     curve: Callable[[Scalar, Mapping[str, float]], Scalar] | None = None
 
 

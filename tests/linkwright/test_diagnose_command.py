@@ -216,6 +216,18 @@ def test_what_would_tell_is_named_by_its_column(effect, other, has, asked):
     assert (asked in logged[0]) if asked else not logged
 
 
+@pytest.mark.parametrize(("likeness", "same"), [(1.0 - 1e-13, True), (0.9999, False)])
+def test_one_geometry_under_two_names_asks_for_no_encoder(likeness, same):
+    """A link's length and the next axis shifted along it: no encoder tells them, and where they are alike either will
+    do."""
+    made = made_diagnosis("alias_class")
+    other = Alternative("axis_misalignment", (3,), likeness, 9.0)
+    finding = replace(made.findings[0], effect="link_length", at=(2,), alternatives=(other,))
+    lines = to_do(replace(made, findings=(finding,)))
+    assert not [line for line in lines if line.startswith("Log ")]
+    assert any("are the same geometrically here: correct either." in line for line in lines) is same
+
+
 def test_small_findings_stand_below_by_their_cause():
     """What held-out readings hardly need is told in one line, with what it moves together, and in a separate table."""
     made = made_diagnosis("named")

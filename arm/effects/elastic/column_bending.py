@@ -8,7 +8,7 @@ from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Scalar, add, cross, dot, is_zero, scale, subtract, times
 from linkwright.core.arm.effects.effect import Effect, Settings, Twist, given, size
 from linkwright.core.arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
-from linkwright.core.arm.effects.traits import LinkTraits, RecordingTraits
+from linkwright.core.arm.effects.traits import DriveTraits, LinkTraits, RecordingTraits
 from linkwright.core.sections.numeric import absolute
 
 
@@ -65,6 +65,7 @@ COLUMN_BENDING = Effect(
     only="joints that slide",
     rank=225,
     linear=True,
+    drive=DriveTraits(across=True),
     link=LinkTraits(flexible=True),
     recording=RecordingTraits(under_forces=True),
 )

@@ -12,7 +12,7 @@ from linkwright.core.arm.chain.statics import JointState, PoseState
 from linkwright.core.arm.chain.vectors import Scalar, dot, is_zero, scale, subtract
 from linkwright.core.arm.effects.effect import Effect, Settings, Twist, size
 from linkwright.core.arm.effects.loads.unknown_weight import under_unit_weights, unit_sag
-from linkwright.core.arm.effects.traits import LinkTraits, RecordingTraits
+from linkwright.core.arm.effects.traits import DriveTraits, LinkTraits, RecordingTraits
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -69,6 +69,7 @@ LATERAL_COMPLIANCE = Effect(
     only="joints that turn",
     rank=235,
     linear=True,
+    drive=DriveTraits(across=True),
     link=LinkTraits(flexible=True),
     recording=RecordingTraits(weights_named=True),
 )

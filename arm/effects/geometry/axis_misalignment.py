@@ -8,6 +8,7 @@ from linkwright.core.arm.chain.chain import FloatVector, Joint
 from linkwright.core.arm.chain.statics import PoseState
 from linkwright.core.arm.chain.vectors import Vector, add, cross, is_zero, plus, rotate, scale
 from linkwright.core.arm.effects.effect import Effect, Parameter, Settings, Twist, size
+from linkwright.core.arm.effects.traits import DriveTraits
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
@@ -81,4 +82,5 @@ AXIS_MISALIGNMENT = Effect(
     only="joints after the first",
     rank=110,
     linear=True,
+    drive=DriveTraits(across=True),
 )

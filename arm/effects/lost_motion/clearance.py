@@ -10,7 +10,7 @@ from linkwright.core.arm.chain.statics import JointState, PoseState
 from linkwright.core.arm.chain.vectors import dot, scale, subtract
 from linkwright.core.arm.effects.effect import NO_LOAD, Disc, Effect, Interval, Settings, Twist, size
 from linkwright.core.arm.effects.loads.added_weights import bearing
-from linkwright.core.arm.effects.traits import PlayTraits, WatchTraits
+from linkwright.core.arm.effects.traits import DriveTraits, PlayTraits, WatchTraits
 
 
 def _loose(state: PoseState, settings: Settings) -> list[tuple[int, JointState, float]]:
@@ -61,4 +61,5 @@ CLEARANCE = Effect(
     watch=WatchTraits(lasts="a while"),
     rank=160,
     linear=True,
+    drive=DriveTraits(across=True),
 )

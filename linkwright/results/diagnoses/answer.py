@@ -7,7 +7,7 @@ from types import MappingProxyType
 
 from linkwright.core.arm.assumptions import default_gravity
 from linkwright.core.arm.effects import EFFECTS
-from linkwright.core.arm.effects.effect import Condition
+from linkwright.core.arm.effects.effect import Condition, Effect
 from linkwright.core.arm.errors.unknown_mass import weighs_nothing
 from linkwright.core.diagnose.answer.sentences import WEIGHTLESS, chief, put_right, said_of_no_weight
 from linkwright.core.diagnose.recording import Recording
@@ -17,6 +17,8 @@ from linkwright.results.figures_in_words import figure, from_to, mm
 
 from .words import covariate_words, name_words, portion, value
 
+SAME = 1.0 - 1e-9
+"""Likeness; what is so alike is one thing, not two that these poses hardly tell."""
 MOST_WORDS = 30
 """A longer answer is not read on a first screen."""
 
@@ -171,6 +173,7 @@ def to_do(diagnosis: Diagnosis) -> tuple[str, ...]:
     if logged:
         named = listed([_with_meaning(item) for item in logged])
         lines.append(f"Log {named}: that may tell apart what this recording cannot.")
+    lines += _one_geometry(diagnosis)
     if diagnosis.noise_floor is None:
         lines.append("Read some poses twice in a row: repeats say how much of the mismatch is noise.")
     if diagnosis.unknown is not None and diagnosis.unknown.decide:
@@ -219,12 +222,31 @@ def _telling(
     at = next((places for effect, places in ((first, one[1]), (second, other[1])) if effect.place == "joint"), ())
     if first.drive.before_encoder != second.drive.before_encoder and recording.commanded is None:
         yield from (f"c{number}_deg" for number in at)
-    elif (first.place == "joint") != (second.place == "joint") and recording.joint_side is None:
+    elif _turns_a_joint(first) != _turns_a_joint(second) and recording.joint_side is None:
         yield from (f"j{number}_deg" for number in at)
     if (first.place == "base") != (second.place == "base") and recording.base_target is None:
         yield "basex_mm, basey_mm"
     for condition in sorted(set(first.requires) ^ set(second.requires)):
         yield from _lacking(recording, condition, at)
+
+
+def _turns_a_joint(effect: Effect) -> bool:
+    """Whether an encoder on the joint sees what an effect does there."""
+    return effect.place == "joint" and not effect.drive.across
+
+
+def _one_geometry(diagnosis: Diagnosis) -> list[str]:
+    """Findings of geometry with another that does the same at all poses, as sentences: no reading tells these apart."""
+    return [
+        f"{capital(name_words(finding))} and {name_words(other)} are the same geometrically here: correct either."
+        for finding in diagnosis.findings
+        for other in finding.alternatives
+        if other.likeness > SAME and {_cause_of(finding.effect), _cause_of(other.effect)} == {"geometry"}
+    ]
+
+
+def _cause_of(effect: str) -> str:
+    return EFFECTS[effect].cause if effect in EFFECTS else ""
 
 
 def _lacking(recording: Recording, condition: Condition, at: Sequence[int]) -> Iterable[str]:

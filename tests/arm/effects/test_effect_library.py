@@ -20,6 +20,7 @@ from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.chain.kinematics import parts, symbols
 from linkwright.core.arm.chain.statics import solve
 from linkwright.core.arm.effects import EFFECTS, Effect, Settings, kind_at
+from linkwright.core.arm.errors.recorded import Asked, seen
 from linkwright.core.arm.errors.tip import active_effects, carried_to_tip, tip_error
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.files.write import arm_to_yaml
@@ -378,3 +379,19 @@ def test_what_links_share_and_what_an_encoder_sees() -> None:
     together = {"link_modulus", "link_length", "thermal_expansion", "thermal_bending", "latency", "torque_delay"}
     assert {effect.id for effect in EFFECTS.values() if effect.together} == together
     assert {effect.id for effect in EFFECTS.values() if effect.drive.before_encoder} == {"servo_droop"}
+
+
+@pytest.mark.parametrize("effect", [effect for effect in EFFECTS.values() if effect.place == "joint" and effect.sizes])
+def test_what_a_joint_does_across_itself_no_encoder_sees(effect: Effect) -> None:
+    """Nothing of it along the joint's coordinate in any state; whatever else moves a joint does so along that."""
+    along, any_at_all = 0.0, 0.0
+    for posed in POSED:
+        state = posed.state
+        for size in effect.sizes:
+            values = Settings((), {**shapes(effect), size.name: size.typical[1]})
+            tip = moved(state, effect.id, dict(values.values))
+            any_at_all = max(any_at_all, float(np.abs(tip).max()))
+            there = seen(state, effect, values, Asked(len(posed.q), joint_side=True)).joint_side
+            assert there is not None
+            along = max(along, float(np.abs(there).max()))
+    assert (along < 1e-15) is effect.drive.across or any_at_all == 0.0
