@@ -81,7 +81,11 @@ def _tables(result: MotionPlanResult) -> list[Table]:
 
 def _notes(result: MotionPlanResult) -> Iterator[str]:
     """What the figures rest on, a line each."""
-    yield "Shares are of the usual size. Intervals hold beside the terms that every drive has."
+    number = len(result.expected)
+    together = f"if all {number} causes listed were there at once" if number > 1 else "if that cause were there"
+    fewer = "; fewer (`--for`) are told more narrowly" if number > 1 else ""
+    yield f"Shares are of the usual size. Intervals hold {together}, beside the terms that every drive has{fewer}."
+    yield "They count white noise alone. A diagnosis counts coloured noise and what the model lacks too, and is wider."
     if result.tried:
         yield f"{result.tried} motions were tried. Ranges, speeds and peak torques of the arm file are kept."
     guessed = [str(number) for number, joint in enumerate(result.arm.joints, start=1) if joint.velocity is None]

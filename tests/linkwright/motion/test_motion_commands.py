@@ -211,6 +211,8 @@ def test_a_log_says_how_far_it_tells_names(tmp_path, capsys):
     assert run([*words, "--json", str(tmp_path / "told.json")]) == 0
     said = " ".join(capsys.readouterr().out.split())
     assert "1 of 3 names are told" in said
+    assert "Intervals hold if all 3 causes listed were there at once" in said
+    assert "They count white noise alone." in said
     assert "cannot be told: goes with" in said
     told = {
         item["effect"]: item for item in json.loads((tmp_path / "told.json").read_text(encoding="utf-8"))["expected"]
