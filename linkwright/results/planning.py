@@ -235,8 +235,8 @@ def _kept_to(planned: Planned) -> str:
         return f"What is to be avoided is kept clear of by joints, links and tip, {where}. Nothing else is checked."
     if room.within is not None:
         return (
-            "No `avoid` regions are given, so joint angles stay inside the recorded ranges at each visit, and joints' "
-            f"places and tip inside the recorded box {where}. They are not checked for collisions."
+            "No `avoid` regions are given, so at each visit every joint stays inside its recorded range. The tip and "
+            f"the joints' places stay inside the recorded box {where}. They are not checked for collisions."
         )
     return (
         "Poses are taken from the whole of the joint ranges, and not checked for collisions. Write what to keep clear "

@@ -267,7 +267,7 @@ def _rest(diagnosis: MotionDiagnosis, finding: MotionFinding) -> list[Cell]:
     most = max(known, key=lambda k: finding.rms_explained[k])
     adds = torque(finding.rms_explained[most], torque_unit(diagnosis.arm, most + 1)).text
     where = "" if finding.at == (most + 1,) else f" at joint {most + 1}"
-    draws = OF_RIPPLE if finding.effect == "gear_ripple" else DRAWS
+    draws = OF_RIPPLE if any(item.parameter == "order" for item in finding.parameters) else DRAWS
     return [f"{adds}{where}", number(finding.evidence, 3), by_draws(finding.p_value, draws)]
 
 
