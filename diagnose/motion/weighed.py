@@ -227,8 +227,8 @@ def load_words(named: Sequence[MotionFinding], logs: Sequence[MotionLog]) -> lis
     words: list[str] = []
     if any(log.weighed for log in logs):
         words.append(
-            "These logs cannot tell the load from the gain of all drives: constants that are larger by a share make "
-            "the load heavier by it, and they are by the masses of the arm file. The load's interval holds both. "
+            "These logs cannot tell the load from the gain of all drives, which rests on the masses of the arm file. "
+            "The load's interval holds both. "
             "`torque_constants` in recording.yaml tells them apart."
         )
     elif any(log.drive is not TORQUE for log in logs):

@@ -32,7 +32,7 @@ NO_RULES = {
     "answer/sentences.py": {"_MANY_PARAMETERS", "MANY_FINDINGS"},
     "answer/unknown.py": {"_FORMS, _NEAR"},  # how many are told
     "compare/places.py": {"_CELLS"},  # of a table
-    "fitting/identified_origins.py": {"_NEAR", "_TOLD"},
+    "fitting/identified_origins.py": {"NEAR", "_TOLD"},
     "fitting/geometry.py": {"_REWEIGHTED", "_STEPS"},
     "fitting/held_out.py": {"_FOLDS", "_MOST_PARTS", "_TOLD"},
     "fitting/origins.py": {

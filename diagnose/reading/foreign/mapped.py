@@ -11,7 +11,7 @@ from types import MappingProxyType
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.diagnose.reading.columns import canonical, otherwise_spelled
+from linkwright.core.diagnose.reading.columns import canonical, looks_like_ours, otherwise_spelled
 from linkwright.core.diagnose.reading.settings import ReadingSettings
 from linkwright.core.diagnose.reading.table import Table
 from linkwright.core.units.quantities import InputError
@@ -25,7 +25,7 @@ _POSES = ("position", "camera")
 def plain_headers(table: Table, arm: Arm, held: ReadingSettings) -> dict[str, Meaning]:
     """The foreign headers of a recording of the tip that are one of ours beyond doubt (`Meaning.plain`), none of what
     headers of ours say or the settings map or pass over."""
-    names = [header for header in table.names if header not in held.ignore]
+    names = [header for header in table.names if header not in held.ignore and not _of_a_branch(header)]
     known = {canonical(each).partition("_")[0] for each in (*names, *(otherwise_spelled(name) or "" for name in names))}
     known |= {canonical(header).partition("_")[0] for header in held.columns}
     if held.instrument is not None and not set(held.kinds) & set(_POSES):
@@ -38,6 +38,11 @@ def plain_headers(table: Table, arm: Arm, held: ReadingSettings) -> dict[str, Me
         for item in meanings
         if item.plain and not item.formula and item.header in names and item.what not in known and _fits(item, table)
     }
+
+
+def _of_a_branch(header: str) -> bool:
+    """Whether a header is one of ours behind a name, as those of the other arms of a tree are (`left_q1_deg`)."""
+    return any(looks_like_ours(header[end.end() :]) for end in re.finditer("_", header))
 
 
 def _fits(item: Meaning, table: Table) -> bool:

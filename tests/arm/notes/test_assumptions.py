@@ -107,7 +107,7 @@ def test_a_bearing_of_the_catalogue_counts(tmp_path, monkeypatch):
         ({"tilting_stiffness": "0 N*m/rad"}, "must be positive"),
         (
             {"type": "prismatic", "range": ["0 mm", "10 mm"], "stiffness": "1 N/um", "tilting_stiffness": "1 kN*m/rad"},
-            "a slide has",
+            "of a slide write rail_pitch",
         ),
     ],
 )

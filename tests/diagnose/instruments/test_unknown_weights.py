@@ -16,6 +16,7 @@ from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.diagnose.first_look.torque_sign import refuse_torques_of_another_sign
 from linkwright.core.diagnose.judge.predict import predict
+from linkwright.core.diagnose.reading.read_column import Headers
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.diagnose.steps.diagnosis import diagnose
@@ -122,9 +123,9 @@ def test_without_torques_only_products_of_compliance_and_weight_show():
 def test_torques_of_another_sign_are_refused_whatever_the_links_may_weigh():
     recording = recorded(3, ON_LINE, (0.0, 3.0))
     assert recording.torque is not None
-    refuse_torques_of_another_sign(recording, spatial_arm(), {}, rules=RULES.residual)
+    refuse_torques_of_another_sign(recording, spatial_arm(), Headers({}), rules=RULES.residual)
     for wrong in ([1.0, -1.0, 1.0], [1.0, -1.0, -1.0]):
         turned = replace(recording, torque=recording.torque * wrong)
         names = ", ".join(f"tau{k + 1}" for k, sign in enumerate(wrong) if sign < 0.0)
         with pytest.raises(InputError, match=f"{names}: goes against what links and payload weigh"):
-            refuse_torques_of_another_sign(turned, spatial_arm(), {}, rules=RULES.residual)
+            refuse_torques_of_another_sign(turned, spatial_arm(), Headers({}), rules=RULES.residual)
