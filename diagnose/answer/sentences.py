@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects import EFFECTS, parameter_title
 from linkwright.core.arm.errors.unknown_mass import weighs_nothing
 from linkwright.core.arm.files.origin import key_of_offset
 from linkwright.core.diagnose.fitting.prepare import Prepared
@@ -88,19 +88,19 @@ def recording_of(candidate: Candidate, recording: Recording) -> str:
     return "" if candidate.only is None else recording.names[candidate.only]
 
 
-def size_of(parameter: FittedParameter) -> str:
-    """A parameter with its interval, in words."""
-    digits = max(3, parameter.digits)
+def size_of(effect: str, parameter: FittedParameter) -> str:
+    """A parameter of an effect with its interval, in words."""
+    digits, title = max(3, parameter.digits), parameter_title(effect, parameter.parameter)
     value = format_quantity(parameter.value, parameter.kind, digits=digits)
     low, high = parameter.interval
     if parameter.value == low == high:
-        return f"{parameter.parameter} {value}"
+        return f"{title} {value}"
     if not (np.isfinite(low) and np.isfinite(high)):
-        return f"{parameter.parameter} {value}, which the data do not bound"
+        return f"{title} {value}, which the data do not bound"
     unit = value.partition(" ")[2] or None
     ends = [format_quantity(end, parameter.kind, unit, digits=digits).partition(" ")[0] for end in (low, high)]
     also = f"; part of it may be {EFFECTS[parameter.may_hold].title}" if parameter.may_hold else ""
-    return f"{parameter.parameter} {value} (95 % interval {ends[0]} to {ends[1]}{also})"
+    return f"{title} {value} (95 % interval {ends[0]} to {ends[1]}{also})"
 
 
 def about_of(parameter: FittedParameter) -> str:
@@ -141,9 +141,9 @@ def reading_of(
     """A finding in one sentence; `together` are others without which it means nothing, `nothing` says that all its
     sizes may be zero."""
     if len(parameters) > _MANY_PARAMETERS:
-        sizes = f"{len(parameters)} coefficients, the clearest of them {size_of(chief(parameters))}"
+        sizes = f"{len(parameters)} coefficients, the clearest of them {size_of(effect, chief(parameters))}"
     else:
-        sizes = "; ".join(size_of(parameter) for parameter in parameters)
+        sizes = "; ".join(size_of(effect, parameter) for parameter in parameters)
     name = name_of(effect, at, recording)
     text = f"{name}: {sizes}." if sizes else f"{name}."
     if others:
@@ -313,7 +313,7 @@ def _values(difference: Difference, recordings: Sequence[OfRecording]) -> str:
     ]
     sizes[-1] = f"{sizes[-1]} {unit}".strip()
     values = [f"{size} in {recording.name}" for size, recording in zip(sizes, recordings, strict=True)]
-    return f"{largest.parameter} {listed(values)}"
+    return f"{parameter_title(difference.effect, largest.parameter)} {listed(values)}"
 
 
 def refutation(test: LackOfFit) -> str:
@@ -347,7 +347,7 @@ def put_right(labels: Mislabelled) -> str:
 
 
 def _named(finding: Finding) -> str:
-    size = f", {size_of(chief(finding.parameters))}" if finding.parameters else ""
+    size = f", {size_of(finding.effect, chief(finding.parameters))}" if finding.parameters else ""
     return name_of(finding.effect, finding.at, finding.recording) + size
 
 
