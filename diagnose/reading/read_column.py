@@ -84,7 +84,7 @@ class Headers(Mapping[str, str]):
         called = re.compile(rf"(?<![\w`])({'|'.join(map(re.escape, self.formulas))})(?![\w`])")
 
         def made(name: re.Match[str]) -> str:
-            formula = self.formulas[name[1]]
+            formula = re.sub(r"^`([^\W\d]\w*)`$", r"\1", self.formulas[name[1]])  # a plain word needs no quotes
             whole = called.fullmatch(text) or re.fullmatch(r"`[^`]*`|\w+", formula)
             return formula if whole else f"({formula})"
 

@@ -10,7 +10,7 @@ from functools import partial
 from types import MappingProxyType
 
 import numpy as np
-from nicegui import ui
+from nicegui import events, ui
 
 from linkwright.browser.pages.frame import picture, row
 from linkwright.browser.server.drawings import at_pose, middle
@@ -223,8 +223,9 @@ class PoseView:
         slider.props(f'dense aria-label="joint {index + 1}"')
         said = ui.label(_coordinate(self._pose[index], revolute)).classes("lw-note")
 
-        async def moved() -> None:
-            self._pose[index] = low + float(slider.value or 0.0) * (high - low)
+        async def moved(event: events.GenericEventArguments) -> None:
+            # What the event brings: the slider's own value is told by another message, which may come later.
+            self._pose[index] = low + float(event.args or 0.0) * (high - low)
             said.text = _coordinate(self._pose[index], revolute)
             await self._draw()
 

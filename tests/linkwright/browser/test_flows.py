@@ -414,12 +414,14 @@ def test_a_result_is_removed(server, page):
     assert Shelf(server.folder).find(number) is None
 
 
-def test_columns_stand_above_the_button_on_a_phone(server, page):
+def test_columns_stand_above_the_button_on_a_phone(server, page, tmp_path):
     """Beside it at a desk. Files are chosen by a button with a name."""
     page.goto(server.url + "diagnosis")
     page.get_by_text("example-arm.yaml").or_(page.locator("input[value='example-arm.yaml']")).first.wait_for()
     page.get_by_role("button", name="Choose recordings").wait_for()
-    page.get_by_role("button", name="Try a simulated recording").click()
+    made = lw.simulate(server.folder / "example-arm.yaml", poses=12, repeats=1, sides="one").table
+    made.to_csv(tmp_path / "tips.csv", index=False)
+    page.set_input_files("input[type=file]", tmp_path / "tips.csv")
     columns = page.locator(".lw-map")
     columns.last.wait_for()
     below = columns.last.bounding_box()
