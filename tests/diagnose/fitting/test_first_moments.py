@@ -55,7 +55,7 @@ def test_a_lump_is_told_by_its_first_moment(link: int, share: float) -> None:
             low, high = sizes[name].interval
             assert low < truth < high
             assert high - low < 0.1 * MASS * (LENGTHS[link] if name == "first_moment" else 2.0)
-    assert "first_moment" in finding.reading
+    assert "first moment" in finding.reading
     (entry,) = result.corrected.effects
     assert entry.parameters["first_moment"] == pytest.approx(sizes["first_moment"].value)
     assert ("mass" in entry.parameters) == (link > 0)
