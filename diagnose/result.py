@@ -76,7 +76,7 @@ class FittedOrigin:
 
 
 @dataclass(frozen=True)
-class Placement:
+class FittedPlacement:
     """What a recording (empty: the only one) left free, where it was found: of a `frame` the base in the measuring
     frame (x, y, z in m and fixed-axis roll, pitch and yaw in rad), of a `tool` the tip in the last link's frame at its
     end (m), as an arm file's `tool` gives it; in a plane what lies in it."""
@@ -498,7 +498,7 @@ class Diagnosis:
     set_aside: SetAside | None = None
     rivals: Rivals | None = None
     small_together: float = 0.0
-    placements: tuple[Placement, ...] = ()
+    placements: tuple[FittedPlacement, ...] = ()
 
     def in_space(self, residual: Array) -> Array:
         """Residuals as displacements of the tip (N, D), m: along what was measured, where that is but a part."""

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
-from linkwright.core.diagnose.reading.read_column import Headers
+from linkwright.core.diagnose.reading.foreign.headers import Headers
 from linkwright.core.diagnose.recording import Recording, RejectedRow
 from linkwright.core.diagnose.residual.robust_scale import resolution
 from linkwright.core.diagnose.rules.rules import RULES, Rules

@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 from linkwright.core.arm.chain.arrays import nominal
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.instruments.placement import Placement, placed, turn_of
-from linkwright.core.diagnose.reading.read_column import Headers
+from linkwright.core.diagnose.reading.foreign.headers import Headers
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.unknown_mass import of_unknown_mass
-from linkwright.core.diagnose.reading.read_column import Headers
+from linkwright.core.diagnose.reading.foreign.headers import Headers
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.residual.masses_from_torques import against_any_masses
 from linkwright.core.diagnose.residual.observe import undeformed

@@ -11,7 +11,7 @@ import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.motion.log import MotionLog
-from linkwright.core.diagnose.reading.read_column import Headers
+from linkwright.core.diagnose.reading.foreign.headers import Headers
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.units.reading import refusal
 

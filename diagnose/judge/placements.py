@@ -17,7 +17,7 @@ from linkwright.core.diagnose.fitting.room.unnamed import Unnamed
 from linkwright.core.diagnose.residual.alignment import Alignment
 from linkwright.core.diagnose.residual.observe import observed_about
 from linkwright.core.diagnose.residual.observed import Observed
-from linkwright.core.diagnose.result import FittedParameter, Placement
+from linkwright.core.diagnose.result import FittedParameter, FittedPlacement
 from linkwright.core.sections.numeric import Array
 
 _SHIFT = ("frame_misalignment x", "frame_misalignment y", "frame_misalignment z")
@@ -27,7 +27,7 @@ _TOOL = ("tool_offset along", "tool_offset across", "tool_offset out")
 
 def placements(
     prepared: Prepared, fitted: Refit, outside: Sequence[int], unnamed: Unnamed | None
-) -> tuple[Placement, ...]:
+) -> tuple[FittedPlacement, ...]:
     """The base in each measuring frame, and the tip of each tool on the last link, where they are free and the tip's
     place is what was measured; of arms with one tip."""
     observed, names = prepared.observed, prepared.beside_names
@@ -37,7 +37,7 @@ def placements(
         return ()
     fit = beside_names(prepared, fitted, outside, unnamed)
     by = fit.sizes
-    result: list[Placement] = []
+    result: list[FittedPlacement] = []
     for label, rows, alignment in _each(observed):
 
         def at(wanted: Sequence[str], label: str = label) -> NDArray[np.int64]:
@@ -55,13 +55,13 @@ def placements(
             slopes = angles_by_turns(angles[1], angles[2]) @ back if width == 3 else np.array([[0.0], [0.0], [1.0]])
             place = _sized("xyz", "length", back @ off, back, shift, fit)
             rolled = _sized(("roll", "pitch", "yaw"), "angle", np.array(angles), slopes, turn, fit)
-            result.append(Placement("frame", label, (*place, *(rolled if width == 3 else rolled[2:]))))
+            result.append(FittedPlacement("frame", label, (*place, *(rolled if width == 3 else rolled[2:]))))
         if len(tool):
             width = observed.components
             axes = matrices(observed.state.frames.orientation, observed.rows, width)[rows]
             ways = np.einsum("nji,njk->nik", axes, prepared.beside[rows][:, :width][:, :, tool]).mean(axis=0)
             put = np.array(observed.arm_given.tool)[:width] + alignment.tool + ways @ by[tool]
-            result.append(Placement("tool", label, _sized("xyz", "length", put, ways, tool, fit)))
+            result.append(FittedPlacement("tool", label, _sized("xyz", "length", put, ways, tool, fit)))
     return tuple(result)
 
 

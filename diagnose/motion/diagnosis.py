@@ -19,7 +19,8 @@ from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
 from .causes.curves import curves_left
-from .causes.swinging import eigenfrequency_notes, with_rotors
+from .causes.rotors import with_rotors
+from .causes.swinging import eigenfrequency_notes
 from .corrected import entry_of
 from .differing import Differing, differing, differing_findings, squares_of
 from .each_log import of_log

@@ -17,9 +17,10 @@ from linkwright.core.units.quantities import InputError, shown
 from .columns import ColumnMeaning, UnitMissing, meaning_of, of_kind, otherwise_spelled
 from .foreign.clock import has_stamps, iso_stamp
 from .foreign.header_units import alone_in_unit
+from .foreign.headers import Headers
 from .foreign.mapped import plain_headers, taken_for_ours
 from .formula import Formula, read_condition, read_formula
-from .read_column import Headers, ReadColumn
+from .read_column import ReadColumn
 from .settings import ReadingSettings
 from .table import Table
 

@@ -30,8 +30,9 @@ from .branches import to_its_tip, with_others_at_rest
 from .columns import example_headers, meaning_of
 from .files import read_table
 from .followers import with_followers
+from .foreign.headers import Headers
 from .named_columns import PROPOSES, chosen_rows, named_columns
-from .read_column import Headers, ReadColumn
+from .read_column import ReadColumn
 from .settings import ReadingSettings, find_settings, read_settings
 from .sights import in_part, sights_of
 from .table import Table

@@ -18,11 +18,11 @@ from linkwright.core.diagnose.result import (
     Exchange,
     Finding,
     FittedOrigin,
+    FittedPlacement,
     LackOfFit,
     Mislabelled,
     NextPose,
     OfRecording,
-    Placement,
     RejectedForm,
     SetAside,
     SmallBeside,
@@ -155,7 +155,7 @@ def _origin(origin: FittedOrigin) -> dict[str, Any]:
     }
 
 
-def _placements(placements: Sequence[Placement], of: str) -> list[dict[str, Any]]:
+def _placements(placements: Sequence[FittedPlacement], of: str) -> list[dict[str, Any]]:
     """Free frames (the base in the measuring frame) or tools (the tip at the last link's end), one a recording."""
     held: list[dict[str, Any]] = []
     for item in placements:

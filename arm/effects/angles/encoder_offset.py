@@ -55,11 +55,5 @@ ENCODER_OFFSET = Effect(
     watch=WatchTraits(lasts="a while", always=True),
     rank=20,
     linear=True,
-    synonyms=(
-        "zero_offset",
-        "joint_offset",
-        "home_offset",
-        "zero",
-        "offset",
-    ),
+    synonyms=("zero_offset", "joint_offset", "home_offset", "zero", "offset"),
 )

@@ -34,8 +34,5 @@ LATENCY = Effect(
     rank=300,
     linear=True,
     recording=RecordingTraits(of_instrument=True),
-    synonyms=(
-        "delay",
-        "time_delay",
-    ),
+    synonyms=("delay", "time_delay"),
 )

@@ -117,10 +117,5 @@ JOINT_COMPLIANCE = Effect(
     rank=10,
     linear=True,
     link=LinkTraits(flexible=True, in_modes=True),
-    synonyms=(
-        "joint_stiffness",
-        "drive_stiffness",
-        "drive_compliance",
-        "gear_stiffness",
-    ),
+    synonyms=("joint_stiffness", "drive_stiffness", "drive_compliance", "gear_stiffness"),
 )

@@ -140,9 +140,5 @@ LINK_BENDING = Effect(
     linear=True,
     link=LinkTraits(flexible=True, in_modes=True, along=True, declared=_declared),
     recording=RecordingTraits(under_forces=True, weights_named=True),
-    synonyms=(
-        "bending",
-        "sag",
-        "deflection",
-    ),
+    synonyms=("bending", "sag", "deflection"),
 )

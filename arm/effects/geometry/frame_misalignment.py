@@ -52,9 +52,5 @@ FRAME_MISALIGNMENT = Effect(
     rank=170,
     linear=True,
     recording=RecordingTraits(of_instrument=True, free_with="frame"),
-    synonyms=(
-        "base_frame",
-        "base_offset",
-        "frame",
-    ),
+    synonyms=("base_frame", "base_offset", "frame"),
 )

@@ -64,9 +64,5 @@ LINK_LENGTH = Effect(
     recording=RecordingTraits(sizes_at=_given_by),
     rank=30,
     linear=True,
-    synonyms=(
-        "length",
-        "dh_parameters",
-        "geometry",
-    ),
+    synonyms=("length", "dh_parameters", "geometry"),
 )

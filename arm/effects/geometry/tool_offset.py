@@ -69,9 +69,5 @@ TOOL_OFFSET = Effect(
     rank=100,
     linear=True,
     recording=RecordingTraits(free_with="tool"),
-    synonyms=(
-        "tcp",
-        "tcp_offset",
-        "tool",
-    ),
+    synonyms=("tcp", "tcp_offset", "tool"),
 )

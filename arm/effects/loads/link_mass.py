@@ -99,8 +99,5 @@ LINK_MASS = Effect(
     rank=250,
     linear=True,
     recording=RecordingTraits(told_as=Sum("first_moment", _factors, beside="mass")),
-    synonyms=(
-        "link_weight",
-        "link_load",
-    ),
+    synonyms=("link_weight", "link_load"),
 )

@@ -67,11 +67,5 @@ PAYLOAD = Effect(
     watch=WatchTraits(lasts="a recording"),
     rank=50,
     linear=True,
-    synonyms=(
-        "tip_mass",
-        "tool_mass",
-        "tip_load",
-        "load",
-        "extra_mass",
-    ),
+    synonyms=("tip_mass", "tool_mass", "tip_load", "load", "extra_mass"),
 )

@@ -80,9 +80,5 @@ BACKLASH = Effect(
     watch=WatchTraits(lasts="a while", always=True),
     rank=40,
     linear=True,
-    synonyms=(
-        "play",
-        "lost_motion",
-        "hysteresis",
-    ),
+    synonyms=("play", "lost_motion", "hysteresis"),
 )

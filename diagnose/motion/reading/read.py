@@ -18,11 +18,12 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.reading.columns import canonical, example_headers, of_kind
 from linkwright.core.diagnose.reading.files import read_table
+from linkwright.core.diagnose.reading.foreign.headers import Headers
 from linkwright.core.diagnose.reading.foreign.mapped import with_foreign
 from linkwright.core.diagnose.reading.foreign.proposal import proposed
 from linkwright.core.diagnose.reading.motion_settings import MotionSettings
 from linkwright.core.diagnose.reading.named_columns import chosen_rows, named_columns
-from linkwright.core.diagnose.reading.read_column import Headers, ReadColumn
+from linkwright.core.diagnose.reading.read_column import ReadColumn
 from linkwright.core.diagnose.reading.settings import ReadingSettings, find_settings, read_settings
 from linkwright.core.diagnose.reading.table import Table
 from linkwright.core.diagnose.rules.rules import RULES, Rules

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.first_look.readings import longest_run
 from linkwright.core.diagnose.motion.log import MotionLog
-from linkwright.core.diagnose.reading.read_column import Headers, ReadColumn
+from linkwright.core.diagnose.reading.foreign.headers import Headers
+from linkwright.core.diagnose.reading.read_column import ReadColumn
 from linkwright.core.diagnose.recording import RejectedRow
 from linkwright.core.diagnose.rules.rules import RULES, Rules
 from linkwright.core.sections.numeric import Array

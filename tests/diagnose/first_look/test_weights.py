@@ -8,7 +8,7 @@ import pytest
 from linkwright.core.diagnose.first_look import weights
 from linkwright.core.diagnose.first_look.library import Library
 from linkwright.core.diagnose.first_look.search import Judged
-from linkwright.core.diagnose.reading.read_column import Headers
+from linkwright.core.diagnose.reading.foreign.headers import Headers
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.units.quantities import InputError
 from tests.diagnose.motion.plumb_arm import HAND, logged, plumb_arm

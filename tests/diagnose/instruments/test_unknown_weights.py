@@ -16,7 +16,7 @@ from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.diagnose.first_look.torque_sign import refuse_torques_of_another_sign
 from linkwright.core.diagnose.judge.predict import predict
-from linkwright.core.diagnose.reading.read_column import Headers
+from linkwright.core.diagnose.reading.foreign.headers import Headers
 from linkwright.core.diagnose.recording import Recording
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.core.diagnose.steps.diagnosis import diagnose

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import yaml
 
-from linkwright.core.diagnose.reading.read_column import Headers
+from linkwright.core.diagnose.reading.foreign.headers import Headers
 from linkwright.core.units.quantities import InputError
 from tests.diagnose.reading.test_foreign_files import ANGLES, TIPS, read
 
