@@ -18,12 +18,14 @@ from linkwright.core.units.quantities import format_quantity
 
 from .causes.directions import instead_of_losses
 from .judged import Judged
+from .model.chance import DRAWS
 from .model.evidence import Member
 from .model.feasible import feasible
 from .model.groups import Group
 from .model.identify import Identified
 from .model.intervals import Estimates
 from .model.products import Products
+from .model.ripple import DRAWS as OF_RIPPLE
 from .model.ripple import Ripple
 from .result import Alternative, MotionFinding
 
@@ -112,6 +114,7 @@ def finding_of(effect: Effect, ripple: Ripple, held: Array) -> MotionFinding:
         ripple.evidence,
         ripple.p_value,
         sentence,
+        draws=OF_RIPPLE,
     )
 
 
@@ -245,7 +248,8 @@ def finding_of_group(
     text = f"{name}: {size}. RMS {explained[most]:.3g} N*m at joint {most + 1}."
     text += f" The logs cannot tell it from {or_else(alike)}." if alike else ""
     figures = tuple(explained.tolist()), tuple(without.tolist())
-    return MotionFinding(group.effect.id, group.at, parameters, alike, *figures, evidence, p_value, text, recording)
+    known = group.effect.id, group.at, parameters, alike, *figures
+    return MotionFinding(*known, evidence, p_value, text, recording, draws=0 if recording else DRAWS)
 
 
 def or_else(others: Sequence[Alternative]) -> str:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import Literal
 
 import numpy as np
@@ -34,8 +34,8 @@ class MotionFinding:
     `rms_explained` (n,) N*m is the RMS of what it adds at each joint; `evidence` (nats) how much likelier the logs are
     with it than without, choice and sizes paid for; `rms_without_held_out` (n,) N*m what held-out motion leaves where
     it alone is left out and the rest fitted again. `p_value` is by circular shifts or sign flips of whole blocks (nan:
-    none holds). `reading` is the plain sentence. `recording` names the logs in which alone it acts (empty: all).
-    `small` says that held-out motion hardly needs it (see `judge.needed`).
+    none holds), by so many `draws` (0: it is a bound, by none). `reading` is the plain sentence. `recording` names the
+    logs in which alone it acts (empty: all). `small` says that held-out motion hardly needs it (see `judge.needed`).
     """
 
     effect: str
@@ -49,6 +49,7 @@ class MotionFinding:
     reading: str
     recording: str = ""
     small: bool = False
+    draws: int = field(kw_only=True)
 
 
 @dataclass(frozen=True)
@@ -107,7 +108,7 @@ class Event:
 
 @dataclass(frozen=True)
 class MotionUnknown:
-    """Structure that nothing in the library explains: at which joints (from 1), on what it depends, its RMS (N*m) at
+    """What no few causes explain: at which joints (from 1), on what it depends, its RMS (N*m) at
     the `worst` of them, its shape in words, and which log would decide; `change` where it begins within a log."""
 
     joints: tuple[int, ...]

@@ -46,13 +46,11 @@ def answer(
         return "Nothing is missing that these logs show: no cause is beyond chance and foretells other motion."
     sentences = _lacking(named, per_joint, beyond, with_own, together) if named else []
     if unknown is not None:
-        joints = _and([str(joint) for joint in unknown.joints])
+        joints = f"joint{'s' * (len(unknown.joints) > 1)} {_and([str(joint) for joint in unknown.joints])}"
         names = [name.replace("_", " ") for name in unknown.depends_on]
         at_most = "up to " if len(unknown.joints) > 1 else ""
         on = f", which depends on {_and(names)}" if names else ""
-        sentences.append(
-            f"At joint {joints} stays {at_most}{unknown.amplitude:.3g} N*m that nothing in the library explains{on}."
-        )
+        sentences.append(f"At {joints} {at_most}{unknown.amplitude:.3g} N*m stays unexplained{on}.")
         if unknown.change is not None:
             sentences.append(since_words(unknown.change))
     shared = any(not item.recording for item in named)

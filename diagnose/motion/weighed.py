@@ -30,8 +30,8 @@ from .log import TORQUE, MotionLog
 from .preparation import PreparedLog
 from .result import MotionFinding
 
-_OF_LOAD = 10
-"""Inertial parameters of a load."""
+_OF_DRIVE, _OF_LOAD = 4, 10
+"""What a drive has beside the arm's weights (a constant, dry and viscous friction, a rotor), and what a load has."""
 
 
 def weighed(arm: Arm, prepared: Sequence[PreparedLog], *, rules: Rules) -> list[MotionLog]:
@@ -75,11 +75,11 @@ def _constants(arm: Arm, free: Sequence[PreparedLog], rules: Rules) -> tuple[Arr
     than half.
     """
     drives = [_drive(free, joint, rules) for joint in range(arm.size)]
-    told = [drive for drive in drives if drive is not None]
+    known = [drive for drive in drives if drive is not None]
     loads = [np.zeros((len(free), _OF_LOAD))]
-    while (more := _with_one_more(told, loads[-1], rules)) is not None:
+    while (more := _with_one_more(known, loads[-1], rules)) is not None:
         loads.append(more)
-    left = [_left(told, each) for each in loads]
+    left = [_left(known, each) for each in loads]
     few = next(number for number, each in enumerate(left) if HALF**2 * each <= min(left[number:]))
     constants, weights = np.array(
         [(math.nan, 0.0) if drive is None else drive.constant(loads[few], rules) for drive in drives]
@@ -119,18 +119,18 @@ class _Drive:
 def _drive(free: Sequence[PreparedLog], joint: int, rules: Rules) -> _Drive | None:
     """A joint's drive in all logs; None where these hold too little of it."""
     parts = [_rows(item, joint) for item in free]
-    rows, own = sum(len(part) for part in parts), 4
-    if rows <= own:
+    rows = sum(len(part) for part in parts)
+    if rows <= _OF_DRIVE:
         return None
     # Rows of one log hold no other's load: each log is compressed by itself, then all together.
     table: list[Array] = []
     for number, part in enumerate(parts):
         made = np.asarray(np.linalg.qr(part, mode="r"))
-        wide = np.zeros((len(made), own + 1 + _OF_LOAD * len(free) + 1))
-        wide[:, : own + 1], wide[:, -1] = made[:, : own + 1], made[:, -1]
-        wide[:, own + 1 + _OF_LOAD * number :][:, :_OF_LOAD] = made[:, own + 1 : -1]
+        wide = np.zeros((len(made), _OF_DRIVE + 1 + _OF_LOAD * len(free) + 1))
+        wide[:, : _OF_DRIVE + 1], wide[:, -1] = made[:, : _OF_DRIVE + 1], made[:, -1]
+        wide[:, _OF_DRIVE + 1 + _OF_LOAD * number :][:, :_OF_LOAD] = made[:, _OF_DRIVE + 1 : -1]
         table.append(wide)
-    beside = np.asarray(np.linalg.qr(np.concatenate(table), mode="r"))[own:, own:]
+    beside = np.asarray(np.linalg.qr(np.concatenate(table), mode="r"))[_OF_DRIVE:, _OF_DRIVE:]
     current, bodies = beside[:, -1], beside[:, :-1]
     left = current - bodies @ np.linalg.lstsq(bodies, current, rcond=None)[0]
     least = rules.motion.filters * float(np.linalg.norm(current))
@@ -192,13 +192,13 @@ def _rows(log: PreparedLog, joint: int) -> Array:
     """What a drive has of its own (M, 4), torque by the arm's weights, by each parameter of a load (M, 10), and current
     or voltage, filtered, where the joint moves (M, 16)."""
     use = log.moving[:, joint]
-    parts = [np.zeros((0, 6 + _OF_LOAD))]
+    parts = [np.zeros((0, _OF_DRIVE + 1 + _OF_LOAD + 1))]
     for part, numbers, within in log.pieces():
         motion = log.piece(part)
         v, a = motion.velocity[:, joint], motion.acceleration[:, joint]
         of_links = regressor(motion.arm, motion.q, motion.velocity, motion.acceleration)[:, joint, -_OF_LOAD:]
-        own = [np.ones(len(v)), direction(v), v, a]
-        columns = [*own, inverse_dynamics(motion)[:, joint], *of_links.T, log.measured[part, joint]]
+        columns = [np.ones(len(v)), direction(v), v, a]
+        columns += [inverse_dynamics(motion)[:, joint], *of_links.T, log.measured[part, joint]]
         parts.append(log.filtered(np.stack(columns, axis=1))[within][use[numbers]])
     return np.concatenate(parts)
 

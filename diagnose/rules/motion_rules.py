@@ -108,8 +108,8 @@ class MotionRules:
     )
     above_noise: float = rule(
         10.0,
-        "times the noise of the sensors",
-        "A remainder of a joint that is an order of magnitude above them is called unknown, if it exceeds what filters "
+        "times the noise of the sensors, or what the whole library leaves",
+        "What names leave of a joint an order of magnitude above them is called unknown, if it exceeds what filters "
         "leave. The noise is that above the low-pass. Noise with memory is up to 3 times louder below it.",
         "the proof's disclosed half: causes too small to be named leave 5 times at most",
     )

@@ -13,23 +13,23 @@ _OF_STIFFNESS = frozenset({"stiffness", "zones"})
 
 
 def with_actuator(joint: Joint, actuator: Actuator) -> Joint:
-    """The joint with an actuator, as if the arm file named that one: the joint's own figures stay."""
-    own = own_figures(joint)
-    figures = {name: value for name, value in _figures(actuator).items() if name not in own}
+    """The joint with an actuator, as if the arm file named that one: figures that stand beside the name stay."""
+    kept = kept_figures(joint)
+    figures = {name: value for name, value in _figures(actuator).items() if name not in kept}
     return replace(joint, actuator=actuator, **figures)
 
 
-def own_figures(joint: Joint) -> frozenset[str]:
-    """Which figures stay a joint's own whichever actuator is chosen: what stands beside the name of its actuator in the
+def kept_figures(joint: Joint) -> frozenset[str]:
+    """Which figures of a joint stay whichever actuator is chosen: what stands beside the name of its actuator in the
     arm file. The drive of a joint that names none gives way with all its figures, but the bearing is the joint's."""
     drive = joint.actuator
     if drive is None:
         return frozenset({"tilting_stiffness"} if joint.tilting_stiffness is not None else ())
     lacking = drive.lacks("stiffness", "backlash", "mass")  # an arm file has to give them
-    own = {*lacking, *(name for name, value in _figures(drive).items() if getattr(joint, name) != value)}
-    if not own.isdisjoint(_OF_STIFFNESS):
-        own |= _OF_STIFFNESS
-    return frozenset(own)
+    kept = {*lacking, *(name for name, value in _figures(drive).items() if getattr(joint, name) != value)}
+    if not kept.isdisjoint(_OF_STIFFNESS):
+        kept |= _OF_STIFFNESS
+    return frozenset(kept)
 
 
 def _figures(actuator: Actuator) -> dict[str, Any]:
@@ -50,8 +50,10 @@ def _figures(actuator: Actuator) -> dict[str, Any]:
 def stays_beside(joints: Sequence[Joint], chosen: Collection[int]) -> str | None:
     """What of the arm file's joints stays at those (from 0) whose actuators are chosen, as a sentence; None: nothing,
     for it all is the catalogue's."""
-    own = {number: sorted(own_figures(joints[number]) - {"zones", "cost_date"}) for number in sorted(chosen)}
-    by_joint = [f"{', '.join(names).replace('_', ' ')} of joint {number + 1}" for number, names in own.items() if names]
+    kept = {number: sorted(kept_figures(joints[number]) - {"zones", "cost_date"}) for number in sorted(chosen)}
+    by_joint = [
+        f"{', '.join(names).replace('_', ' ')} of joint {number + 1}" for number, names in kept.items() if names
+    ]
     if not by_joint:
         return None
     return (

@@ -10,7 +10,7 @@ from linkwright.core.arm.actuators import Actuator, load_actuators
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.materials.catalogue import Catalogue
 from linkwright.core.materials.material import Material
-from linkwright.core.optimize.choice.driven import own_figures
+from linkwright.core.optimize.choice.driven import kept_figures
 from linkwright.core.optimize.reading.by_link import ByLink, by_link
 from linkwright.core.optimize.reading.called import CHOICES_CALLED
 from linkwright.core.optimize.reading.conditions import materials_where
@@ -126,9 +126,9 @@ def _actuators(body: Mapping, arm: Arm) -> tuple[tuple[Actuator, ...], ...] | No
             raise body.error("actuator", f"joint {number} slides, and no actuator drives a slide; write [] for it")
         chosen = [known.find(str(name), file=body.file, key=path) for name in names]
         for item in chosen:
-            own = own_figures(joint)
+            kept = kept_figures(joint)
             if unknown := [
-                key for key in item.lacks("rated_torque", "stiffness", "backlash", "mass") if key not in own
+                key for key in item.lacks("rated_torque", "stiffness", "backlash", "mass") if key not in kept
             ]:
                 missing = ", ".join(unknown).replace("_", " ")
                 beside = ", ".join(f"{key}: ..." for key in unknown)

@@ -147,7 +147,7 @@ NO_RULES = {
         "_SHRUNK, _TIMES",
         "_SPEED, _SLIDING",
     },
-    "motion/weighed.py": {"_OF_LOAD"},
+    "motion/weighed.py": {"_OF_DRIVE, _OF_LOAD"},
     "motion/written.py": {"_DIGITS"},
     "patterns/forces.py": {"_CORES", "_GRID", "_STARTS, _STEPS"},
     "patterns/form.py": {"BY_ANOTHER", "FORCE_IN_TIME", "IN_PART", "OF_JOINT", "PULL", "REGION"},  # shapes of forms

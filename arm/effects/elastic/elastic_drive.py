@@ -15,7 +15,7 @@ rotor and friction nobody says, nothing shows.
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -163,8 +163,16 @@ class _Drive:
     def ahead(self, load: Array, late: float) -> Array:
         """What a motor takes (N,) for going ahead of its link under a load (N,), of a unit of compliance."""
         rate, rate_of_rate = _rates(self.motion, _swing(self.motion, np.zeros(self.motion.size), late, load))
+        alone = np.eye(self.motion.arm.size)[self.joint]
+        motor = replace(self.motion, velocity=rate[:, None] * alone, acceleration=rate_of_rate[:, None] * alone)
         rubs = _said(self.motion.arm, self.joint, FRICTION_VISCOUS, "coefficient")
-        return _rotor(self.motion, self.joint) * rate_of_rate + rubs * rate
+        takes = ((ARMATURE, "inertia", _rotor(self.motion, self.joint)), (FRICTION_VISCOUS, "coefficient", rubs))
+        each = (
+            effect.torques(motor, Settings((self.joint,), {size: value}))[self.joint]
+            for effect, size, value in takes
+            if effect.torques is not None
+        )
+        return sum(each, np.zeros(self.motion.size))
 
     def rigid(self, behind: Array, rate: Array, rate_of_rate: Array) -> Array:
         """The torques (N, n) where the joint stands behind by so much (N,)."""

@@ -16,6 +16,7 @@ import linkwright as lw
 from linkwright.core.units.files import read_bytes, write_whole
 from linkwright.core.units.quantities import InputError, shown
 from linkwright.core.units.reading import parse_yaml, read_text
+from linkwright.face.arm import DESCRIPTIONS
 
 Kind = Literal["arm", "problem", "description"]
 """A `description` is a URDF or MJCF, which the commands take in place of an arm file."""
@@ -30,8 +31,7 @@ _DEEPEST, _MOST = 4, 2000
 _LONGEST = 1000
 """Letters of a name in the folder."""
 _ENDINGS = (".yaml", ".yml")
-_DESCRIPTIONS = (".urdf", ".xml", ".mjcf")
-_ALL = (*_ENDINGS, *_DESCRIPTIONS)
+_ALL = (*_ENDINGS, *DESCRIPTIONS)
 
 
 class Occupied(InputError):
@@ -144,7 +144,7 @@ class Folder:
             folders += [item for item in said if not PurePosixPath(item).suffix]
             for place in (PurePosixPath(name).parent / folder / file for folder in folders for file in said):
                 other = os.path.normpath(place)
-                if other not in result and other.lower().endswith((*_DESCRIPTIONS, ".stl")):
+                if other not in result and other.lower().endswith((*DESCRIPTIONS, ".stl")):
                     with suppress(InputError):
                         result[other] = read_bytes(self.place(other))
                         pending += [other] if is_description(other) else []
@@ -162,7 +162,7 @@ class Folder:
 
 def is_description(name: str) -> bool:
     """Whether a file's name is that of a URDF or MJCF."""
-    return name.lower().endswith(_DESCRIPTIONS)
+    return name.lower().endswith(DESCRIPTIONS)
 
 
 def templates() -> dict[str, str]:

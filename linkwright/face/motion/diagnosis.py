@@ -22,7 +22,7 @@ from linkwright.output.table_file import frame
 from linkwright.results.motion.described import describe
 from linkwright.results.motion.words import alternative_words, of_all_joints
 
-from .log import Log, weighed
+from .log import Log, with_known_weights
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -146,5 +146,5 @@ class MotionDiagnosis(Reported):
 
 def diagnosed_motion(arm: Arm, logs: Sequence[Log], options: Options, tell: Progress) -> MotionDiagnosis:
     """Motion logs diagnosed, and what the written arm is worth on them."""
-    diagnosis = diagnose_motion(weighed(arm.model), [log.found for log in logs], options, tell)
+    diagnosis = diagnose_motion(with_known_weights(arm.model), [log.found for log in logs], options, tell)
     return MotionDiagnosis(arm, tuple(logs), with_written_motion(diagnosis, catalogue_of(arm.catalogue)))

@@ -81,10 +81,10 @@ def _read(pairs: Sequence[tuple[object, File | None]], arm: Arm) -> list[Log]:
             f"The mass of link{'s' * (len(unknown) > 1)} {links} is unknown. It counts as 0 kg, also in the arm file "
             "that is written, and what is identified of its weight is all of it."
         )
-    return [Log(arm, log.saying(*said)) for log in logs_from(tables, weighed(arm.model))]
+    return [Log(arm, log.saying(*said)) for log in logs_from(tables, with_known_weights(arm.model))]
 
 
-def weighed(arm: Model) -> Model:
+def with_known_weights(arm: Model) -> Model:
     """The arm that motion logs are set against: links of unknown mass weigh nothing, and the logs tell what they do."""
     return without_unknown(arm, of_unknown_mass(arm))
 

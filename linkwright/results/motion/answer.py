@@ -38,13 +38,13 @@ def _clauses(diagnosis: MotionDiagnosis) -> list[str]:
     open_at, on = _unexplained(diagnosis)
     if open_at and (part is None or part < HALF):
         explained = "" if largest is None else f". {capital(finding_words(largest))} explains part of the rest"
-        return [f"nothing in the library explains {open_at}", on, explained]
+        return [f"not explained: {open_at}", on, explained]
     if largest is None:
         return [diagnosis.sentence.removesuffix(".")]
     opening, share = _named(diagnosis, largest, open_at=bool(open_at)), "" if part is None else portion(part).text
     if open_at:
         does = f" ({share} of the {mismatch} mismatch)" if share else ""
-        return [f"{opening}{does}. Nothing explains {open_at}", on]
+        return [f"{opening}{does}. Not explained: {open_at}", on]
     does = f" ({share} of the mismatch)" if share else ""
     change = from_to(mismatch, torque(left_with_own(diagnosis)[1]).text)
     return [f"{opening}{does}", f". Error {change}", f", {over(diagnosis)}"]

@@ -7,8 +7,6 @@ from collections.abc import Sequence
 from pathlib import PurePath
 
 from linkwright.core.diagnose.motion.log import MotionLog
-from linkwright.core.diagnose.motion.model.chance import DRAWS
-from linkwright.core.diagnose.motion.model.ripple import DRAWS as OF_RIPPLE
 from linkwright.core.diagnose.motion.result import MotionDiagnosis, MotionFinding, MotionUnknown, OfJoint, Rollout
 from linkwright.core.diagnose.motion.sentences import since_words
 from linkwright.core.units.lists import listed
@@ -267,19 +265,18 @@ def _rest(diagnosis: MotionDiagnosis, finding: MotionFinding) -> list[Cell]:
     most = max(known, key=lambda k: finding.rms_explained[k])
     adds = torque(finding.rms_explained[most], torque_unit(diagnosis.arm, most + 1)).text
     where = "" if finding.at == (most + 1,) else f" at joint {most + 1}"
-    draws = OF_RIPPLE if any(item.parameter == "order" for item in finding.parameters) else DRAWS
-    return [f"{adds}{where}", number(finding.evidence, 3), by_draws(finding.p_value, draws)]
+    return [f"{adds}{where}", number(finding.evidence, 3), by_draws(finding.p_value, finding.draws)]
 
 
 def _unknown(diagnosis: MotionDiagnosis, unknown: MotionUnknown) -> Section:
-    """What nothing in the library explains."""
+    """What stays unexplained."""
     worst = unknown.worst
     joints = f"joint{'s' if len(unknown.joints) > 1 else ''} {listed([str(joint) for joint in unknown.joints])}"
     amplitude = torque(unknown.amplitude, torque_unit(diagnosis.arm, worst)).text
     text = f"Not explained, at {joints}: {unknown.shape}. RMS {amplitude} at joint {worst}."
     depends = dependence_words(unknown.depends_on)
     return section(
-        "What nothing in the library explains",
+        "What stays unexplained",
         Paragraph(text),
         Paragraph(f"It depends on {depends}.") if depends else None,
         None if unknown.change is None else Paragraph(since_words(unknown.change)),

@@ -35,9 +35,9 @@ def of_all_joints(each: Sequence[float]) -> float:
 
 
 def by_draws(p: float, draws: int = DRAWS, tests: int = 1) -> Value:
-    """A p-value that is a share of draws, the least of several tests: where none reached what was seen, at most that of
-    one draw."""
-    least = p <= 1.001 * tests / (draws + 1)
+    """A p-value that is a share of draws (0: it is none), the least of several tests: where none reached what was seen,
+    at most that of one draw."""
+    least = draws and p <= 1.001 * tests / (draws + 1)
     return Value(f"≤ {figure(p, 2)}") if least else probability(p)
 
 

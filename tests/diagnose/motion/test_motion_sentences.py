@@ -14,7 +14,7 @@ from linkwright.core.diagnose.result import FittedParameter
 def finding(effect: str, at: int, name: str, kind: str, value: float, rms: float) -> MotionFinding:
     parameter = FittedParameter(f"{name}_{at}", name, (at,), kind, value, (0.9 * value, 1.1 * value))
     explained = tuple(rms * np.eye(3)[at - 1])
-    return MotionFinding(effect, (at,), (parameter,), (), explained, (0.0, 0.0, 0.0), 100.0, 0.005, "")
+    return MotionFinding(effect, (at,), (parameter,), (), explained, (0.0, 0.0, 0.0), 100.0, 0.005, "", draws=199)
 
 
 def test_what_is_said_to_be_friction_is_friction() -> None:

@@ -66,6 +66,7 @@ def made_finding(joint, effect, name, kind, value, explained, **changed):
         evidence=420.0,
         p_value=0.001,
         reading=f"{effect.replace('_', ' ')} at joint {joint}.",
+        draws=199,
     )
     return replace(made, **changed)
 

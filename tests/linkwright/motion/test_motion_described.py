@@ -63,9 +63,9 @@ def test_answer_says_what_is_not_explained():
     assert said.startswith(
         "Found: dry (Coulomb) friction (joint 2) and 5 smaller causes (100 % of the 12.5 N·m mismatch). "
     )
-    assert ". Nothing explains 0.9 N·m at joint 3" in said
+    assert ". Not explained: 0.9 N·m at joint 3" in said
     said = answer(replace(result, rms_after=0.8 * result.rms_before))
-    assert said.startswith("Nothing in the library explains 0.9 N·m at joint 3. It depends on the coordinate of joint")
+    assert said.startswith("Not explained: 0.9 N·m at joint 3. It depends on the coordinate of joint")
     assert to_do(made_motion("unknown"))[0] == "To find the cause, turn joint 3 slowly both ways."
 
 

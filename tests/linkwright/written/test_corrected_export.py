@@ -4,6 +4,7 @@ the file back; the uncorrected arm's file in its place does not pass."""
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
@@ -117,7 +118,12 @@ def test_a_link_that_is_called_tip_is_not_the_tip(tmp_path: Path) -> None:
     """The file's tip then has another name, and is the one that is held beside the arm."""
     arm = replace(arm_of(ROWS, tmp_path, modified=False), tool=TOOL)
     links: tuple[Link, ...] = (*arm.links[:-1], replace(arm.links[-1], name="tip"))
-    lw.export_arm(lw.Arm.of(replace(arm, links=links)), to="urdf").save(tmp_path / "arm.urdf")
+    result = lw.export_arm(lw.Arm.of(replace(arm, links=links)), to="urdf")
+    result.save(tmp_path / "arm.urdf")
+    names = re.findall(r'<joint name="([^"]*)" type="revolute"', result.text)
+    for q in np.random.default_rng(7).uniform(-1.0, 1.0, (3, 4)):
+        tip = tip_pose(result.text, "base", "tip_", dict(zip(names, q, strict=True)))[:3, 3]
+        np.testing.assert_allclose(tip, by_rows((), q), atol=1e-9)
 
 
 def test_a_gantry_carries_its_carriage_and_not_its_beam(tmp_path: Path) -> None:
