@@ -1,6 +1,7 @@
 """How files are edited: nothing that is not saved is lost without a word."""
 
 import pytest
+from playwright.sync_api import expect
 
 import linkwright as lw
 from linkwright.browser.server.folder import Folder
@@ -8,6 +9,14 @@ from linkwright.browser.server.folder import Folder
 from .conftest import ROOT
 
 pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
+
+
+def save(page):
+    """Save what was changed: the page says it a moment after the last change, and no longer once the file is written."""
+    unsaved = page.get_by_text("Changes are not saved.")
+    unsaved.wait_for()
+    page.get_by_role("button", name="Save", exact=True).click()
+    unsaved.wait_for(state="hidden")
 
 
 @pytest.fixture(autouse=True)
@@ -94,8 +103,7 @@ def test_names_and_keys_are_chosen_by_a_part_of_them(server, page):
     page.get_by_label("length", exact=True).first.fill("0.65 m")
     page.get_by_label("length", exact=True).first.press("Enter")
     page.locator(".q-field--error").wait_for(state="detached")
-    page.get_by_role("button", name="Save", exact=True).click()
-    page.get_by_text("Changes are not saved.").wait_for(state="hidden")
+    save(page)
     arm = lw.read_arm(server.folder / "example-arm.yaml").model
     assert (arm.links[0].material.name, arm.links[0].length, arm.joints[1].actuator.name) == (
         "steel-s355",
@@ -112,10 +120,8 @@ def test_lists_of_a_problem_are_chosen_one_by_one(server, page):
     material.click()
     material.fill("steel-s355")
     page.get_by_role("option", name="steel-s355", exact=True).click()
-    page.get_by_text("Changes are not saved.").wait_for()
     page.keyboard.press("Escape")
-    page.get_by_role("button", name="Save", exact=True).click()
-    page.get_by_text("Changes are not saved.").wait_for(state="hidden")
+    save(page)
     text = (server.folder / "example-problem.yaml").read_text(encoding="utf-8")
     assert "material: [aluminium-6061-t6, steel-s355]" in text
     (server.folder / "example-problem.yaml").unlink()
@@ -128,16 +134,14 @@ def test_each_link_is_given_its_own_choice(server, page):
     page.get_by_role("button", name="Section by link").click()
     second = page.locator(".q-select", has=page.get_by_label("section 2", exact=True))
     second.get_by_label("Remove").first.press("Enter")
-    page.get_by_label("section 1", exact=True).wait_for()
-    page.get_by_role("button", name="Save", exact=True).click()
-    page.get_by_text("Changes are not saved.").wait_for(state="hidden")
+    expect(second.get_by_label("Remove")).to_have_count(1)
+    save(page)
     problem = lw.read_problem(server.folder / "example-problem.yaml").model
     assert problem.shapes_of(0) == ("tube", "rectangular_tube")
     assert len(problem.shapes_of(1)) == 1
     page.get_by_role("button", name="One section list for all links").click()
     page.get_by_label("section", exact=True).wait_for()
-    page.get_by_role("button", name="Save", exact=True).click()
-    page.get_by_text("Changes are not saved.").wait_for(state="hidden")
+    save(page)
     (server.folder / "example-problem.yaml").unlink()
 
 
