@@ -95,7 +95,7 @@ def seam_words(evaluation: Evaluation) -> list[Paragraph]:
     if seam is None:
         return []
     across, along, whole = (mm(item.error, 5) for item in (seam.across, seam.along, seam.whole))
-    text = f"on the path at most {across} across it, {along} along it, {whole} in all"
+    text = f"On the path at most {across} across it, {along} along it, {whole} in all"
     counted = evaluation.workspace.error
     return [Paragraph(text if counted == "whole" else f"{text}; only the error {counted} it counts", "under")]
 

@@ -75,7 +75,7 @@ def describe(
     items: list[Item] = [
         Paragraph(design.as_sentence(design.bound_words(evaluation)), "under"),
         Paragraph(design.first_order_words(evaluation), "under"),
-        Paragraph(f"over {workspace_words(arm, evaluation.workspace, evaluation.load_cases)}", "under"),
+        Paragraph(f"Over {workspace_words(arm, evaluation.workspace, evaluation.load_cases)}", "under"),
         *design.seam_words(evaluation),
         *([] if robust is None else [Paragraph(robust_words(robust), "under")]),
         *design.relative_words(evaluation),
