@@ -12,7 +12,7 @@ pytestmark = [pytest.mark.slow, pytest.mark.xdist_group("browser")]
 
 
 def save(page):
-    """Save what was changed: the page says it a moment after the last change, and no longer once the file is written."""
+    """Save what was changed: the page says that there is something a moment after, and no longer once it is written."""
     unsaved = page.get_by_text("Changes are not saved.")
     unsaved.wait_for()
     page.get_by_role("button", name="Save", exact=True).click()
