@@ -44,6 +44,8 @@ from .unknown import Structure, since, structure, unknown_of, variables
 from .uses.traces import traces_of
 from .weighed import as_the_constants, load_words, weighed
 
+_ALIKE = 0.5
+"""Of two waves over the angles of a motion: they are one to it."""
 _ROTORS = 2
 """Times that rotors are told by the whole library, beside what they showed of drives that give."""
 _HELD_OUT = "Held out are the sizes: they were fitted to the rest of the motion. Names were chosen by all of it."
@@ -133,10 +135,10 @@ def diagnosed(
     event = next_event(arm, pool, rows, heard, events, rules=rules)
     if event is not None:
         return diagnosed(arm, set_aside(whole, rows, event), options, progress, (*events, event))
-    slow = [(effect, item) for effect, item in _ripples(rows, heard.sizes, scans, request, fast=False)]
-    if slow:
+    slow, fast = (_ripples(rows, heard.sizes, scans, request, fast=fast) for fast in (False, True))
+    if proposed := {(item.joint, item.order): effect for effect, item in (*slow, *fast)}:
         known = pool
-        more = [(effect, item.joint, {effect.shapes[0].name: item.order}) for effect, item in slow]
+        more = [(effect, joint, {effect.shapes[0].name: order}) for (joint, order), effect in proposed.items()]
         pool = with_variants(pool, arm, masses, more, rules=rules)
         rows = [with_sources(row, pool.sources[len(known.sources) :]) for row in rows]
     given, different = rows, differing(arm, pool, rows, rules=rules)
@@ -145,8 +147,8 @@ def diagnosed(
     seen = [_structure(identified, joint, request) for joint in range(arm.size)]
     swift = [
         (effect, item)
-        for effect, item in _ripples(identified.rows, identified.noise.sizes, scans, request, fast=True)
-        if item.rms > rules.motion.turning * identified.torque[item.joint]
+        for effect, item in fast
+        if item.rms > rules.motion.turning * identified.torque[item.joint] and not _is_named(effect, item, identified)
     ]
     sizes = estimates(
         identified.system,
@@ -214,6 +216,17 @@ def _ripples(
         if effect.can_act(joint, revolute=axis.revolute, passive=axis.passive)
         for ripple in ripples(rows, sizes, orders, joint, options.seed, fast=fast, rules=options.rules)
     ]
+
+
+def _is_named(effect: Effect, ripple: Ripple, identified: Identified) -> bool:
+    """Whether a name holds an order, or one that this motion hardly tells from it."""
+    angle = np.concatenate([rows.prepared.motion.q[rows.prepared.kept, ripple.joint] for rows in identified.rows])
+    orders = [
+        group.shapes[effect.shapes[0].name] - ripple.order
+        for group in (identified.pool.groups[member.group] for member in identified.members)
+        if group.effect is effect and group.at == (ripple.joint + 1,)
+    ]
+    return any(abs(np.mean(np.exp(1j * apart * angle))) > _ALIKE for apart in orders)
 
 
 def _effects(options: Options, logs: Sequence[MotionLog]) -> list[Effect]:

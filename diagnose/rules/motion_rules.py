@@ -83,6 +83,11 @@ class MotionRules:
         3.0, "Hz", "An order beyond the low-pass must reach this frequency. Slower than two thirds of it is removed."
     )
     stands_out: float = rule(12.0, "times the median of its neighbours", "The power of an order that is proposed.")
+    stands_alone: float = rule(
+        0.5,
+        "share of the square left",
+        "An order that explains as much where it acts is proposed whatever its neighbours are: they hold a part of it.",
+    )
     dependence: float = rule(
         0.1,
         "share of the square left",

@@ -8,8 +8,8 @@ slower than they are.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -49,12 +49,15 @@ class Ripple:
 
 @dataclass(frozen=True)
 class _Signal:
-    """What is left of a joint's torque (M,), its phase for order one (rad), speed of that phase (rad/s) and blocks."""
+    """What is left of a joint's torque (M,), its phase for order one (rad), speed of that phase (rad/s) and blocks;
+    `wave` gives what such a rest holds (M, complex) of a torque that goes with the cosine of an order (real part) and
+    with its sine."""
 
     left: Array
     phase: Array
     speed: Array
     block: NDArray[np.int64]
+    wave: Callable[[float], NDArray[np.complex128]]
 
 
 def ripples(
@@ -89,23 +92,35 @@ def ripples(
     left = signal.left.copy()
     rng = np.random.default_rng(seed)
     for _ in range(_EACH):
-        table = _scores(_Signal(left, signal.phase, signal.speed, signal.block), orders, band, fewest)
-        best = _strongest(table, rng, rules)
+        best = _strongest(_scores(replace(signal, left=left), orders, band, fewest), rng, rules)
         if best is None:
             break
         at, p_value = best
         order = orders[at]
-        sums, count, _ = table
-        whole, rows_in = sums[:, at].sum(), count[:, at].sum()
-        size = 2.0 * whole / rows_in
-        noise = float(np.var(left))
-        scatter = 2.0 * np.sqrt(np.sum(np.abs(sums[:, at] - 0.5 * size * count[:, at]) ** 2) / 2.0) / rows_in
-        evidence = float(np.abs(whole) ** 2 / (rows_in * noise)) if noise > 0.0 else 0.0
-        ripples_.append(
-            Ripple(joint, order, float(size.imag), float(size.real), 2.2 * float(scatter), p_value, evidence, fast)
-        )
-        left -= size.real * np.cos(order * signal.phase) + size.imag * np.sin(order * signal.phase)
+        wave = signal.wave(order)
+        waves = np.column_stack([wave.imag, wave.real])
+        use = _in_band(signal, order, band)
+        size, half = _size(np.where(use[:, None], waves, 0.0), left, signal.block)
+        after = left - waves @ size
+        evidence = 0.5 * float(np.sum(left[use] ** 2) - np.sum(after[use] ** 2)) / max(float(np.var(left)), 1e-300)
+        ripples_.append(Ripple(joint, order, float(size[0]), float(size[1]), half, p_value, evidence, fast))
+        left = after
     return ripples_
+
+
+def _size(waves: Array, left: Array, block: NDArray[np.int64]) -> tuple[Array, float]:
+    """Sizes (2,) of waves (M, 2) by least squares, and half the width of their 95 % intervals by what they leave from
+    block to block."""
+    edges = np.flatnonzero(np.diff(block, prepend=-1))
+    spread = np.linalg.pinv(waves.T @ waves)
+    size = spread @ (waves.T @ left)
+    pull = np.add.reduceat(waves * (left - waves @ size)[:, None], edges)
+    return size, 2.2 * float(np.sqrt(np.max(np.diagonal(spread @ (pull.T @ pull) @ spread))))
+
+
+def _in_band(signal: _Signal, order: float, band: tuple[float, float]) -> NDArray[np.bool_]:
+    frequency = order * np.abs(signal.speed) / (2.0 * np.pi)
+    return (frequency >= band[0]) & (frequency <= band[1])
 
 
 def _joined(parts: Sequence[_Signal]) -> _Signal:
@@ -115,6 +130,7 @@ def _joined(parts: Sequence[_Signal]) -> _Signal:
         np.concatenate([part.phase for part in parts]),
         np.concatenate([part.speed for part in parts]),
         np.concatenate([part.block + more for part, more in zip(parts, offset, strict=False)]),
+        lambda order: np.concatenate([part.wave(order) for part in parts]),
     )
 
 
@@ -124,9 +140,9 @@ def _slow(rows: LogRows, sizes: Array, joint: int) -> _Signal:
     at = prepared.kept[use]
     left = (rows.target[:, joint] - rows.design[joint] @ sizes[rows.columns[joint]])[use]
     turn = _turn(rows, joint)
-    return _Signal(
-        left, turn * prepared.motion.q[at, joint], turn * prepared.motion.velocity[at, joint], rows.block[use]
-    )
+    phase = turn * prepared.motion.q[at, joint]
+    speed = turn * prepared.motion.velocity[at, joint]
+    return _Signal(left, phase, speed, rows.block[use], lambda order: np.exp(1j * order * phase))
 
 
 def _fast(rows: LogRows, sizes: Array, joint: int, rules: Rules) -> _Signal:
@@ -135,17 +151,31 @@ def _fast(rows: LogRows, sizes: Array, joint: int, rules: Rules) -> _Signal:
     explained = rows.design[joint] @ sizes[rows.columns[joint]]
     left = prepared.measured[:, joint] - rows.nominal[:, joint]
     left = left - np.interp(motion.time, motion.time[prepared.kept], explained)
-    inner = np.zeros(motion.size, dtype=bool)
     margin = round(prepared.rate)
+    inside = np.zeros(motion.size, dtype=bool)
     for stretch in prepared.stretches:
-        part = slice(stretch.start, stretch.stop)
-        left[part] = left[part] - low_pass(left[part], rules.motion.ripple_band / 1.5, prepared.rate)
-        inner[stretch.start + margin : max(stretch.stop - margin, stretch.start + margin)] = True
+        inside[stretch.start + margin : max(stretch.stop - margin, stretch.start + margin)] = True
     speed = motion.velocity[:, joint]
-    use = inner & (np.abs(speed) > rules.motion.slow) & (np.abs(speed) < rules.motion.ripple_speed)
+    use = inside & (np.abs(speed) > rules.motion.slow) & (np.abs(speed) < rules.motion.ripple_speed)
     turn = _turn(rows, joint)
+    phase = turn * motion.q[:, joint]
+
+    def quick(torque: Array) -> Array:
+        """What a torque holds beyond slow changes."""
+        kept = torque.copy()
+        for stretch in prepared.stretches:
+            part = slice(stretch.start, stretch.stop)
+            kept[part] -= low_pass(torque[part], rules.motion.ripple_band / 1.5, prepared.rate)
+        return kept[use]
+
     block = np.unique(np.floor(motion.time[use] / rows.length), return_inverse=True)[1].astype(np.int64)
-    return _Signal(left[use], turn * motion.q[use, joint], turn * speed[use], block)
+    return _Signal(
+        quick(left),
+        phase[use],
+        turn * speed[use],
+        block,
+        lambda order: quick(np.cos(order * phase)) + 1j * quick(np.sin(order * phase)),
+    )
 
 
 def _turn(rows: LogRows, joint: int) -> float:
@@ -153,45 +183,50 @@ def _turn(rows: LogRows, joint: int) -> float:
     return 1.0 if rows.prepared.motion.arm.joints[joint].revolute else 2.0 * np.pi
 
 
-def _scores(
-    signal: _Signal, orders: Sequence[float], band: tuple[float, float], fewest: int
-) -> tuple[NDArray[np.complex128], Array, Array]:
-    """For each block and order (B, K): the sum of what is left times the turning phase, and the rows that count; and
-    the power (K,)."""
+@dataclass(frozen=True)
+class _Scores:
+    """For each block and order: the sum (B, K) of what is left times the turning phase, and the rows that count; for
+    each order the square (K,) of what is left on these rows. Orders with fewer rows than `fewest` are not seen."""
+
+    sums: NDArray[np.complex128]
+    count: Array
+    square: Array
+    fewest: int
+
+    def power(self, signs: Array) -> Array:
+        """The power (..., K) where blocks have these signs (..., B)."""
+        rows = self.count.sum(axis=0)
+        return np.where(rows > self.fewest, np.abs(signs @ self.sums) ** 2 / np.maximum(rows, 1.0), 0.0)
+
+
+def _scores(signal: _Signal, orders: Sequence[float], band: tuple[float, float], fewest: int) -> _Scores:
     edges = np.flatnonzero(np.diff(signal.block, prepend=-1))
     sums = np.zeros((len(edges), len(orders)), dtype=np.complex128)
     count = np.zeros((len(edges), len(orders)))
-    quick = np.abs(signal.speed) / (2.0 * np.pi)
+    square = np.zeros(len(orders))
     for number, order in enumerate(orders):
-        use = (order * quick >= band[0]) & (order * quick <= band[1])
-        wave = np.where(use, signal.left, 0.0) * np.exp(1j * order * signal.phase)
-        sums[:, number] = np.add.reduceat(wave, edges)
-        count[:, number] = np.add.reduceat(use.astype(float), edges)
-    return sums, count, _power(sums.sum(axis=0), count.sum(axis=0), fewest)
+        left = np.where(_in_band(signal, order, band), signal.left, 0.0)
+        sums[:, number] = np.add.reduceat(left * np.exp(1j * order * signal.phase), edges)
+        count[:, number] = np.add.reduceat((left != 0.0).astype(float), edges)
+        square[number] = left @ left
+    return _Scores(sums, count, square, fewest)
 
 
-def _power(whole: NDArray[np.complex128], rows: Array, fewest: int) -> Array:
-    return np.where(rows > fewest, np.abs(whole) ** 2 / np.maximum(rows, 1.0), 0.0)
-
-
-def _strongest(
-    table: tuple[NDArray[np.complex128], Array, Array], rng: np.random.Generator, rules: Rules
-) -> tuple[int, float] | None:
-    """The order that stands out most of its neighbours, with the p-value of that; None where chance does as much."""
-    sums, count, power = table
+def _strongest(scores: _Scores, rng: np.random.Generator, rules: Rules) -> tuple[int, float] | None:
+    """The order that stands out most, of its neighbours or of what is left, with the p-value of that; None where
+    chance does as much."""
+    blocks = len(scores.sums)
+    power = scores.power(np.ones(blocks))
     seen = power > 0.0
     if seen.sum() < 4:
         return None
-    middle = _beside(power, seen)
-    standing = np.where(seen, power / np.maximum(middle, 1e-300), 0.0)
+    enough = np.minimum(rules.motion.stands_out * _beside(power, seen), 0.5 * rules.motion.stands_alone * scores.square)
+    standing = power / np.maximum(enough, 1e-300)
     at = int(np.argmax(standing))
-    if standing[at] < rules.motion.stands_out:
+    if standing[at] < 1.0:
         return None
-    signs = rng.choice((-1.0, 1.0), size=(DRAWS, len(sums)))
-    rows = count.sum(axis=0)
-    drawn = np.abs(signs @ sums) ** 2 / np.maximum(rows, 1.0)
-    drawn = np.where(seen, drawn / np.maximum(middle, 1e-300), 0.0).max(axis=1)
-    p_value = float((1 + np.sum(drawn >= standing[at])) / (DRAWS + 1))
+    drawn = scores.power(rng.choice((-1.0, 1.0), size=(DRAWS, blocks))) / np.maximum(enough, 1e-300)
+    p_value = float((1 + np.sum(drawn.max(axis=1) >= standing[at])) / (DRAWS + 1))
     return (at, p_value) if p_value <= rules.residual.level else None
 
 

@@ -198,18 +198,23 @@ def rms(left: Array, products: Products) -> Array:
 
 def pruned(system: System, held: HeldOut, members: Sequence[Member], *, rules: Rules) -> list[Member]:
     """The members that each gain on motion that was not fitted and cut some joint's RMS, beside their plain terms;
-    the least goes first."""
-    current, fixed = list(members), system.nuisances
+    the least goes first. A nuisance of a member's own pattern, as a log's clock is of a delay's, does not stand in for
+    it: how likely each is was weighed when the member was named."""
+    current = list(members)
+
+    def fixed_beside(member: Member) -> list[Member]:
+        own = set(system.groups[member.group].columns.tolist())
+        return [item for item in system.nuisances if own.isdisjoint(system.groups[item.group].columns.tolist())]
 
     def figures(members: Sequence[Member]) -> tuple[Array, Array]:
         return held.rms(members), rms(held.products.left(system.solved(members)), held.products)
 
     while current:
-        whole = figures([*fixed, *current])
+        whole = figures([*system.nuisances, *current])
         worth: list[float] = []
         for member in current:
             plain = system.plain_beside(member.group, current)
-            beside = [*fixed, *plain, *(m for m in current if m is not member)]
+            beside = [*fixed_beside(member), *plain, *(m for m in current if m is not member)]
             with_it = figures([*beside, member]) if plain else whole
             gain, cut = (
                 float(np.max(1.0 - one / np.maximum(other, 1e-12)))
