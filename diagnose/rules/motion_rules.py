@@ -79,9 +79,6 @@ class MotionRules:
     ripple_speed: float = rule(
         0.4, "rad/s", "At higher speed a control loop turns fast orders into accelerations, and none are sought.", _LOGS
     )
-    ripple_band: float = rule(
-        3.0, "Hz", "An order beyond the low-pass must reach this frequency. Slower than two thirds of it is removed."
-    )
     stands_out: float = rule(12.0, "times the median of its neighbours", "The power of an order that is proposed.")
     stands_alone: float = rule(
         0.5,

@@ -22,6 +22,11 @@ from .rows import LogRows
 
 _EACH = 3
 """Orders that are sought at a joint."""
+_QUICK, _SLOW = 0.25, 0.5
+"""Parts of the low-pass: from the first on orders are sought without it, up to the second with it, which lets them
+through nearly as they are."""
+_PERIODS = 1.0
+"""Periods, in a block, of the slowest order that is sought without the low-pass: what is left remembers no longer."""
 DRAWS = 99
 """Draws of signs of blocks for each order that stands out."""
 
@@ -85,9 +90,8 @@ def ripples(
     signal = _joined([_fast(row, sizes, joint, rules) if fast else _slow(row, sizes, joint) for row in rows])
     if len(signal.left) < fewest:
         return []
-    top = min(0.4 * min(row.prepared.rate for row in rows), 1e9)
-    cutoff = min(row.prepared.cutoff for row in rows)
-    band = (rules.motion.ripple_band, top) if fast else (0.0, 0.5 * cutoff)
+    cutoff = max(row.prepared.cutoff for row in rows)
+    band = (_QUICK * cutoff, 0.4 * min(row.prepared.rate for row in rows)) if fast else (0.0, _SLOW * cutoff)
     ripples_: list[Ripple] = []
     left = signal.left.copy()
     rng = np.random.default_rng(seed)
@@ -160,15 +164,18 @@ def _fast(rows: LogRows, sizes: Array, joint: int, rules: Rules) -> _Signal:
     turn = _turn(rows, joint)
     phase = turn * motion.q[:, joint]
 
+    edge = _QUICK * prepared.cutoff
+
     def quick(torque: Array) -> Array:
         """What a torque holds beyond slow changes."""
         kept = torque.copy()
         for stretch in prepared.stretches:
             part = slice(stretch.start, stretch.stop)
-            kept[part] -= low_pass(torque[part], rules.motion.ripple_band / 1.5, prepared.rate)
+            kept[part] -= low_pass(torque[part], edge / 1.5, prepared.rate)
         return kept[use]
 
-    block = np.unique(np.floor(motion.time[use] / rows.length), return_inverse=True)[1].astype(np.int64)
+    length = min(rows.length, _PERIODS / edge)
+    block = np.unique(np.floor(motion.time[use] / length), return_inverse=True)[1].astype(np.int64)
     return _Signal(
         quick(left),
         phase[use],

@@ -38,11 +38,11 @@ def plumb_arm(folder):
     return read_arm(folder / "arm.yaml")
 
 
-def logged(seed, hand_of, more_of, file="log.csv"):
-    """Thirty seconds at 100 Hz: `hand_of` time at the tip, `more_of` angles and speeds beside (2, N)."""
+def logged(seed, hand_of, more_of, file="log.csv", pace=1.0):
+    """Thirty seconds at 100 Hz: `hand_of` time at the tip, `more_of` angles and speeds beside (2, N); all at a pace."""
     rng = np.random.default_rng(seed)
     time = np.arange(3000) / 100.0
-    rates = 2.0 * np.pi * rng.uniform(0.1, 0.5, (2, 5))
+    rates = pace * 2.0 * np.pi * rng.uniform(0.1, 0.5, (2, 5))
     phases, swings = rng.uniform(0.0, 6.28, (2, 5)), rng.uniform(0.3, 0.8, (2, 5))
     turned = rates[:, :, None] * time + phases[:, :, None]
     q = np.sum(swings[:, :, None] * np.sin(turned), axis=1)
