@@ -13,6 +13,7 @@ from linkwright.core.diagnose.residual.visits import looks_quieter
 from linkwright.core.diagnose.result import LackOfFit, Left, SmallBeside
 
 from .confirmation import Confirmed
+from .guard.balance import balance_each_other
 from .guard.lack_of_fit import refuted_by, refutes
 from .guard.scatter import follows
 from .unknown import predictable
@@ -32,7 +33,12 @@ class Remainder:
         self.left_over = (
             self.small is None
             and not self.what_remains().is_noise
-            and (self.names.describes_nothing or self._left_over() or self._refuted_as_whole())
+            and (
+                self.names.describes_nothing
+                or self._left_over()
+                or self._refuted_as_whole()
+                or self._balance_each_other()
+            )
         )
         self.may_scatter = self.left_over and self._like_scatter()
 
@@ -44,6 +50,10 @@ class Remainder:
     def _refuted_as_whole(self) -> bool:
         """Whether what was found is not the whole answer, and no form stands beside it that is the rest."""
         return bool(self.names.members) and not self.names.outside and self.does_not_fit()
+
+    def _balance_each_other(self) -> bool:
+        parts = [(self.names.place(place)[1], self.names.moved([place])) for place in range(len(self.names.members))]
+        return balance_each_other(parts, self.names.left(()), rules=self.rules.answer)
 
     def what_remains(self) -> Left:
         """What is left beside the noise floor, of readings fitted and of those held out."""

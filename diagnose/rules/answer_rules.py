@@ -26,6 +26,14 @@ class AnswerRules:
         "judged on the development half of the second proof, seeds 2026112801 to 2026112803: arms that return badly "
         "and are rightly named leave 1.95 at most",
     )
+    balanced: float = rule(
+        2.0,
+        "times the square of the mismatch",
+        "If the squares of what names at one joint move add up to more, they balance each other and describe a form "
+        "that none of them is. With a rest above the noise it is `unknown`.",
+        "measured on the development half of the second proof, seed 2026113071: right names add up to 1.01 at most, a "
+        "belt named as six causes to 6.3",
+    )
     lasting: float = rule(
         0.2,
         "share of the remainder",
