@@ -8,7 +8,7 @@ program.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -42,7 +42,7 @@ from linkwright.core.units.quantities import InputError
 
 from .assembled import Compiled
 from .binding_poses import Anchor, ErrorCut, Pool, Room
-from .design import DesignSpace, arm_of, numeric_beams, with_chosen_links
+from .design import DesignSpace, arm_of, numeric_beams, starting_points, with_chosen_links
 from .program import Ask, Program, Solution, cut_of, groups_of
 from .rescue import LEAST_ERROR, solved
 from .scenarios import Scenarios
@@ -56,6 +56,7 @@ GAINED = 1e-7
 """A design that is better by less (relative) takes no other's place."""
 CERTIFICATE_GAP = 3e-5
 _MOST_ROUNDS = 40
+_OTHER_STARTS = 2
 _MOST_ADDED = 6
 _BETWEEN = (1.0 / 3.0, 2.0 / 3.0)
 """Where poses between two stand that are farther apart (rad, m) than `_SAME` and nearer than `_NEAR`."""
@@ -257,8 +258,10 @@ class Exchange:
         for number in range(1, _MOST_ROUNDS + 1):
             program = self.program(pool)
             solution = solved(program, last, materials, pool, ask, error=error)
-            if not solution.solved:
-                solution = solved(program, start, materials, pool, ask, error=error)
+            for other in self._others(last, start, materials, ask):
+                if solution.solved or (solution.infeasible and other is not start):
+                    break
+                solution = solved(program, other, materials, pool, ask, error=error)
             if not solution.solved:
                 self.infeasible = solution.infeasible
                 return None
@@ -287,6 +290,13 @@ class Exchange:
                 break
             pool = judged.pool
         return best
+
+    def _others(self, last: Array, start: Array, materials: Array, ask: Ask) -> Iterator[Array]:
+        """Where a solver may begin that failed from the last design: the start, and the space's own starting points."""
+        if not np.array_equal(last, start):
+            yield start
+        if ask.within is None:
+            yield from starting_points(self.space, materials, _OTHER_STARTS)
 
     def _reaching(self, point: tuple[float, ...], x: Array, chosen: Sequence[Material | None]) -> tuple[ErrorCut, ...]:
         """A pose of another design with its tip at a point (m); none where that design does not reach it either."""

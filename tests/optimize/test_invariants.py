@@ -33,6 +33,11 @@ def test_answer_is_what_it_claims_and_no_worse_than_every_combination_on_its_own
     agreed(random_problem(tmp_path, seed))
 
 
+def test_a_combination_that_the_solver_fails_on_from_its_bound_is_begun_anew(tmp_path: Path) -> None:
+    """A tube of magnesium, a fifth cheaper than the next: the design that bounds it is where IPOPT then gives up."""
+    assert agreed(random_problem(tmp_path, 9))
+
+
 @pytest.mark.slow
 @pytest.mark.parametrize("seed", range(max(1, PROBLEMS // 2)))
 def test_with_free_lengths_too(seed: int, tmp_path: Path) -> None:
