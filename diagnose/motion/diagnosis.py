@@ -135,8 +135,8 @@ def diagnosed(
     event = next_event(arm, pool, rows, heard, events, rules=rules)
     if event is not None:
         return diagnosed(arm, set_aside(whole, rows, event), options, progress, (*events, event))
-    slow, fast = (_ripples(rows, heard.sizes, scans, request, fast=fast) for fast in (False, True))
-    if proposed := {(item.joint, item.order): effect for effect, item in (*slow, *fast)}:
+    found = [each for fast in (False, True) for each in _ripples(rows, heard.sizes, scans, request, fast=fast)]
+    if proposed := {(item.joint, item.order): effect for effect, item in found}:
         known = pool
         more = [(effect, joint, {effect.shapes[0].name: order}) for (joint, order), effect in proposed.items()]
         pool = with_variants(pool, arm, masses, more, rules=rules)
@@ -147,7 +147,7 @@ def diagnosed(
     seen = [_structure(identified, joint, request) for joint in range(arm.size)]
     swift = [
         (effect, item)
-        for effect, item in fast
+        for effect, item in _ripples(identified.rows, identified.noise.sizes, scans, request, fast=True)
         if item.rms > rules.motion.turning * identified.torque[item.joint] and not _is_named(effect, item, identified)
     ]
     sizes = estimates(

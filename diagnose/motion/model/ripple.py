@@ -160,7 +160,9 @@ def _fast(rows: LogRows, sizes: Array, joint: int, rules: Rules) -> _Signal:
     for stretch in prepared.stretches:
         inside[stretch.start + margin : max(stretch.stop - margin, stretch.start + margin)] = True
     speed = motion.velocity[:, joint]
-    use = inside & (np.abs(speed) > rules.motion.slow) & (np.abs(speed) < rules.motion.ripple_speed)
+    # Friction that turns round is no wave, but is there again at the same angle.
+    steady = np.interp(motion.time, motion.time[prepared.kept], prepared.moving[:, joint].astype(float)) == 1.0
+    use = inside & steady & (np.abs(speed) > rules.motion.slow) & (np.abs(speed) < rules.motion.ripple_speed)
     turn = _turn(rows, joint)
     phase = turn * motion.q[:, joint]
 
