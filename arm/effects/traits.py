@@ -90,8 +90,9 @@ class DriveTraits:
     arm file gives them, the whole may not become negative, and under links of unknown weight only its product with that
     weight can be known. `before_encoder` marks what moves the joint away from its command but is seen by the encoder:
     it moves the tip only as long as the coordinates are commands. `across` marks what a joint does beside its
-    coordinate, of which an encoder on it sees nothing. `curve` gives a joint's error (rad) at coordinates
-    (rad) by the parameters' values, for what is drawn as a curve.
+    coordinate, of which an encoder on it sees nothing. `by_load` marks how far its link goes from its motor by nothing
+    but the load between the two: encoders on both sides show it in motion. `curve` gives a joint's error (rad) at
+    coordinates (rad) by the parameters' values, for what is drawn as a curve.
 
     >>> import linkwright as lw
     >>> lw.effects["servo_droop"].drive.before_encoder
@@ -102,6 +103,7 @@ class DriveTraits:
     gives: bool = False
     before_encoder: bool = False
     across: bool = False
+    by_load: bool = False
     curve: Callable[[Scalar, Mapping[str, float]], Scalar] | None = None
 
 

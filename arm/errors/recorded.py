@@ -73,6 +73,19 @@ def seen(state: PoseState, effect: Effect, settings: Settings, asked: Asked) -> 
     return replace(result, joint_side=joint_side, base=_base(twists, asked), level=level)
 
 
+def seen_by_drives(state: PoseState, effect: Effect, settings: Settings, loads: Array) -> Array:
+    """How far each joint (N, n) stands from its motor's encoder by an effect of drives, under loads (N, n), N*m (N),
+    that push towards increasing coordinates, in place of those of a pose `state`."""
+    pairs = zip(state.joints, loads.T, strict=True)
+    loaded = tuple(replace(joint, drive_load=load, whole_load=1.0) for joint, load in pairs)
+    asked = Asked(len(loads), joint_side=True)
+    twists = [
+        *effect.twists(replace(state, joints=loaded), settings),
+        *effect.play.seated(replace(state, joints=loaded), settings),
+    ]
+    return _drives(state, twists, asked)
+
+
 def seen_of_links(state: PoseState, twists: Sequence[Twist], asked: Asked) -> Channels:
     """What twists of the arm's body (how its parts are put together) move in every channel: no drive, no command and no
     base knows of them."""

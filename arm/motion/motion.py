@@ -29,7 +29,9 @@ class Motion:
             in proportion to a load (friction under load, a torque constant, a delay) goes by it. None: the rigid
             model's own.
         commanded: (N, n) commanded coordinates; None where they were not logged.
-        joint_side: (N, n) coordinates by a second encoder behind the gear; None alike.
+        joint_side: (N, n) coordinates by a second encoder behind the gear, where `q` is of the motor's; None alike.
+        joint_side_rates: Velocity and acceleration (N, n) by it, rad/s and rad/s^2 (m/s, m/s^2): links then move as it
+            says, rotors and friction as `q`. None: all goes by `q`.
         payload_mass: (N,) kg in place of the arm's payload; None: as the arm has it.
         temperature: (N,) K; None where it was not logged.
         sampled: How much of the rates of change the samples tell: 1 of a motion sampled densely, 0 of poses of which
@@ -46,6 +48,7 @@ class Motion:
     torque: Array | None = None
     commanded: Array | None = None
     joint_side: Array | None = None
+    joint_side_rates: tuple[Array, Array] | None = None
     payload_mass: Array | None = None
     temperature: Array | None = None
     sampled: float = 1.0
@@ -57,6 +60,21 @@ class Motion:
     def size(self) -> int:
         """The number of instants, N."""
         return len(self.time)
+
+    @property
+    def of_links(self) -> Motion:
+        """The motion of the links: by the encoders behind the gears where these were logged, else the same."""
+        if self.joint_side is None or self.joint_side_rates is None:
+            return self
+        velocity, acceleration = self.joint_side_rates
+        return replace(
+            self,
+            q=self.joint_side,
+            velocity=velocity,
+            acceleration=acceleration,
+            joint_side=None,
+            joint_side_rates=None,
+        )
 
     def at(self, rows: slice | NDArray[np.int64]) -> Motion:
         """The motion at some of its instants."""
@@ -73,6 +91,9 @@ class Motion:
             torque=cut(self.torque),
             commanded=cut(self.commanded),
             joint_side=cut(self.joint_side),
+            joint_side_rates=None
+            if self.joint_side_rates is None
+            else (self.joint_side_rates[0][rows], self.joint_side_rates[1][rows]),
             payload_mass=cut(self.payload_mass),
             temperature=cut(self.temperature),
         )

@@ -164,11 +164,11 @@ def inverse_dynamics(motion: Motion) -> Array:
     >>> float(inverse_dynamics(Motion(arm, np.zeros(1), still, still, still))[0, 0])
     4.905
     """
-    arm = motion.arm
+    arm, moves = motion.arm, motion.of_links
     torque = rigid_torque(
-        arm, link_parameters(arm), motion.q, motion.velocity, motion.acceleration, payload_mass=motion.payload_mass
+        arm, link_parameters(arm), moves.q, moves.velocity, moves.acceleration, payload_mass=motion.payload_mass
     )
-    return torque - _balanced(arm, motion.q)
+    return torque - _balanced(arm, moves.q)
 
 
 def rigid_torque(

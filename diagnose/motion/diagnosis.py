@@ -8,6 +8,7 @@ from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.effects.effect import Effect
@@ -24,12 +25,15 @@ from .causes.swinging import eigenfrequency_notes
 from .corrected import entry_of
 from .differing import Differing, differing, differing_findings, squares_of
 from .each_log import of_log
+from .encoders.between import Between, Torques, between_encoders
+from .encoders.findings import encoder_findings, encoder_notes, with_like_encoders
 from .events.changed import change_of
 from .events.found import next_event, set_aside
 from .findings import finding_of, findings
 from .judged import Judged, as_written, judged, rms_together
 from .log import MotionLog
 from .model.candidates import Candidates, acting, candidates, scanned, with_variants
+from .model.entries import with_entries
 from .model.identify import Identified, identify
 from .model.intervals import Estimates, estimates
 from .model.noise import noise
@@ -110,6 +114,7 @@ def diagnosed(
     request, tell = options or Options(), progress or silent
     rules = request.rules
     tell("preparing logs", 0.0)
+    logs, of_logs = with_like_encoders(logs)
     logs, prepared = _all_prepared(arm, logs, rules)
     if (
         np.sum([item.moving.sum(axis=0) * _spacing(item) for item in prepared], axis=0).max()
@@ -117,7 +122,7 @@ def diagnosed(
     ):
         return _too_little(arm, logs, prepared, begun), None
     masses = link_parameters(arm)
-    effects = _effects(request, logs)
+    effects = [effect for effect in _effects(request, logs) if not (effect.drive.by_load and _two_encoders(prepared))]
     pool = candidates(
         arm, effects, prepared[0].motion, masses, rules.motion.of_a_sample / max(_rates(logs)), rules=rules
     )
@@ -128,7 +133,7 @@ def diagnosed(
     scans = scanned(effects)
     tell("fitting ripple by order", 0.35)
     heard = noise(pool, products(joint_rows(rows), pool.width, near=False))
-    for _ in range(_ROTORS if any(log.beyond_drive for log in logs) else 0):
+    for _ in range(_ROTORS if any(each.motion.beyond_drive for each in prepared) else 0):
         pool, prepared = with_rotors(arm, effects, pool, prepared, masses, heard.sizes, rules=rules)
         rows = [log_rows(each, pool, rules=rules) for each in prepared]
         heard = noise(pool, products(joint_rows(rows), pool.width, near=False))
@@ -162,12 +167,34 @@ def diagnosed(
     judge = judged(arm, identified, sizes.numbers, [entry_of(effect, item) for effect, item in swift], rules=rules)
     sizes = as_written(sizes, identified, judge)
     rests_on = RestsOn(identified, sizes, different)
-    result = _result(arm, logs, given, rests_on, judge, seen, swift, events, rules, begun)
+    shown = _between(judge, identified, request) if _two_encoders(prepared) else ()
+    result = _result(arm, logs, given, rests_on, judge, seen, swift, events, shown, rules, begun)
+    result = replace(result, notes=(*result.notes, *of_logs))
     if request.rollout:
         tell("simulating the logs", 0.97)
         rolled = rollout(arm, judge.written, identified.pool, given, identified.folds, rules=rules)
         result = replace(result, rollout=rolled, seconds=time.perf_counter() - begun)
     return result, rests_on
+
+
+def _two_encoders(prepared: Sequence[PreparedLog]) -> bool:
+    return all(log.motion.joint_side_rates is not None for log in prepared)
+
+
+def _between(judge: Judged, identified: Identified, request: Options) -> tuple[Between, ...]:
+    """What two encoders at each drive show, by the loads of the arm as it is written."""
+    filed, blocks, start = judge.written, list[NDArray[np.int64]](), 0
+    for row in filed.rows:
+        blocks.append(row.block + start)
+        start += int(row.block.max()) + 1
+    torques = Torques(
+        tuple(row.target - row.explained(filed.sizes) for row in filed.rows),
+        tuple(row.prepared.moving for row in filed.rows),
+        tuple(blocks),
+        identified.folds,
+    )
+    logs = [row.prepared for row in identified.rows]
+    return between_encoders(filed.arm, logs, torques, request.without, rules=request.rules)
 
 
 def _with_curves(
@@ -282,6 +309,7 @@ def _result(
     seen: Sequence[Structure],
     swift: Sequence[tuple[Effect, Ripple]],
     events: tuple[Event, ...],
+    shown: Sequence[Between],
     rules: Rules,
     begun: float,
 ) -> MotionDiagnosis:
@@ -296,10 +324,12 @@ def _result(
         *(finding_of(effect, item, left.held_out) for effect, item in swift),
     )
     every = (as_the_constants(item, logs, rules) for item in every)
-    named = tuple(sorted(every, key=lambda item: item.small))
+    of_torques = tuple(sorted(every, key=lambda item: item.small))
+    of_encoders = encoder_findings(arm, shown, left.held_out.tolist())
+    named = (*of_encoders, *of_torques)
     small = {(item.effect, item.at) for item in named if item.small}
     together = tuple(judge.added_by(small, identified.pool).tolist())
-    far = _far_from_floor(named, left, identified.torque, rules)
+    far = _far_from_floor(of_torques, left, identified.torque, rules)
     unexplained = {*_misleading(named, left), *far, *_open_joints(per_joint, seen, identified, heard, rules)}
     stays = {joint: float(left.of_named[joint - 1]) for joint in far}
     unknown = unknown_of(sorted(unexplained), seen, per_joint, stays)
@@ -326,18 +356,19 @@ def _result(
         rms_after=_together(left.after),
         rms_held_out=_together(left.held_out),
         noise_floor=_together(left.floor),
-        gate_p=min(identified.gate_p, *(item.p_value for item in named if item.recording), 1.0),
+        gate_p=min(identified.gate_p, *(item.p_value for item in named if item.recording or item.apart), 1.0),
         split=identified.split,
         cutoff=prepared[0].low_pass,
         rates=_rates(logs),
         traces=tuple(traces_of(*rows, written.sizes, written.arm) for rows in zip(given, written.rows, strict=True)),
         of_logs=tuple(of_log(identified, judge, squares, number) for number in range(len(logs))),
-        corrected=written.arm,
+        corrected=with_entries(written.arm, [entry for item in shown for entry in item.entries]),
         notes=(
             *_contradictions(arm, identified.split, left.after, left.held_out, heard, rules),
             _HELD_OUT,
             *([_ALONE] if different.differences else []),
             *_sparse(prepared),
+            *encoder_notes(arm, prepared, shown),
             *eigenfrequency_notes(written.arm, named, [item.motion for item in prepared]),
         ),
         rivals=judge.rivals,

@@ -14,11 +14,13 @@ from scipy.interpolate import CubicSpline
 
 from linkwright.core.arm.chain.chain import Arm, EffectEntry
 from linkwright.core.arm.motion.motion import Motion
+from linkwright.core.arm.motion.rigid import inverse_dynamics
 from linkwright.core.diagnose.first_look.smoothing import bridged
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
+from .encoders.sides import Sides, lateness, sides
 from .log import MotionLog
 
 _WORKING_RATE = 250.0
@@ -53,7 +55,7 @@ class PreparedLog:
     `motion` (N samples at `rate` Hz) has speeds and accelerations; `measured` (N, n) N*m is not filtered. `kept` (M,)
     are the samples whose filtered values count; `moving` (M, n) those where the joint moves steadily, `near` (M, n)
     those and reversals. `entries` are entries that hold in this log alone, beside those of the arm file; `motion.arm`
-    has them.
+    has them. `encoders` says what two encoders at each drive are (None: there is one).
     """
 
     log: MotionLog
@@ -66,6 +68,7 @@ class PreparedLog:
     moving: NDArray[np.bool_]
     near: NDArray[np.bool_]
     entries: tuple[EffectEntry, ...] = ()
+    encoders: Sides | None = None
 
     @property
     def low_pass(self) -> float | None:
@@ -181,12 +184,20 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
         np.concatenate(accelerations),
         None,
         even.joined(log.commanded),
-        even.joined(log.joint_side),
+        None,
+        None,
         None if payload is None else payload[:, 0],
         None if temperature is None else temperature[:, 0],
         sampled,
-        log.beyond_drive,
+        beyond_drive=log.beyond_drive,
     )
+    encoders = None
+    if log.joint_side is not None and held:
+        encoders, second = _encoders(log, motion, even, [low_pass(each, cutoff, working) for each in measured], rules)
+        if not encoders.unlike:
+            rates = _speeds(second, None, since, share, smooth, around, working, rules)
+            more = [slope(v, t) for v, t in zip(rates, since, strict=True)]
+            motion = _on_both_sides(motion, encoders, second, rates, more)
     edges = np.cumsum([0, *(len(t) for t in clock)])
     stretches = tuple(Stretch(int(a), int(b)) for a, b in pairwise(edges))
     apart = max(1, int(working / (rules.motion.bands * cutoff)), int(np.ceil(motion.size / _MOST)))
@@ -198,7 +209,44 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
     moving, near = moving & known, near & known
     near &= moving.any(axis=0)  # friction is told by steady motion first: a joint that only trembles tells none
     tidy = np.nan_to_num(np.concatenate(measured))
-    return PreparedLog(log, motion, tidy, working, cutoff, stretches, indices, moving[indices], near[indices])
+    return PreparedLog(
+        log, motion, tidy, working, cutoff, stretches, indices, moving[indices], near[indices], encoders=encoders
+    )
+
+
+def _encoders(
+    log: MotionLog, motion: Motion, even: _Even, torque: list[Array], rules: Rules
+) -> tuple[Sides, list[Array]]:
+    """What the second encoders are, and their coordinates (N, n) of each stretch on the clock and from the zeros of the
+    first ones. `torque` is filtered."""
+    assert log.joint_side is not None
+    late = lateness(
+        motion.q, np.concatenate(even.thinned(log.joint_side)), inverse_dynamics(motion), motion.velocity, rules=rules
+    )
+    # Read sooner by as much, within the log.
+    at = np.clip(log.time + late, log.time[0], log.time[-1])
+    second = even.thinned(CubicSpline(log.time, log.joint_side)(at))
+    pushes, rates = np.nan_to_num(np.concatenate(torque)), (motion.velocity, motion.acceleration)
+    found = sides(motion.q, np.concatenate(second), pushes, rates, said=log.beyond_drive, late=late, rules=rules)
+    return found, [part - found.offset for part in second]
+
+
+def _on_both_sides(
+    motion: Motion, encoders: Sides, own: list[Array], speeds: list[Array], accelerations: list[Array]
+) -> Motion:
+    """The motion of motors and links by two encoders at each drive, `own` coordinates and rates of the second one."""
+    first = motion.q, motion.velocity, motion.acceleration
+    second = tuple(np.concatenate(parts) for parts in (own, speeds, accelerations))
+    motor, link = (second, first) if encoders.beyond_drive else (first, second)
+    return replace(
+        motion,
+        q=motor[0],
+        velocity=motor[1],
+        acceleration=motor[2],
+        joint_side=link[0],
+        joint_side_rates=(link[1], link[2]),
+        beyond_drive=False,
+    )
 
 
 def _known(

@@ -28,6 +28,22 @@ class Alternative:
 
 
 @dataclass(frozen=True)
+class Apart:
+    """RMS of what is left of the difference of a joint's two encoders on motion held out, `without` a finding and with
+    all of them (`left`), in a `unit`: rad, or m of slides."""
+
+    without: float
+    left: float
+    unit: Literal["rad", "m"]
+
+    @property
+    def words(self) -> tuple[str, str]:
+        """Both figures as people read them."""
+        unit = "mrad" if self.unit == "rad" else "mm"
+        return f"{1e3 * self.without:.3g} {unit}", f"{1e3 * self.left:.3g} {unit}"
+
+
+@dataclass(frozen=True)
 class MotionFinding:
     """Physics that the model lacks in the torques: effect, joints or links (from 1), parameters with intervals.
 
@@ -36,6 +52,8 @@ class MotionFinding:
     it alone is left out and the rest fitted again. `p_value` is by circular shifts or sign flips of whole blocks (nan:
     none holds), by so many `draws` (0: it is a bound, by none). `reading` is the plain sentence. `recording` names the
     logs in which alone it acts (empty: all). `small` says that held-out motion hardly needs it (see `judge.needed`).
+    `apart` is there of what two encoders show between motor and link: it adds nothing to torques, which follow from
+    where both are.
     """
 
     effect: str
@@ -49,6 +67,7 @@ class MotionFinding:
     reading: str
     recording: str = ""
     small: bool = False
+    apart: Apart | None = None
     draws: int = field(kw_only=True)
 
 

@@ -53,7 +53,7 @@ def answer(
         sentences.append(f"At {joints} {at_most}{unknown.amplitude:.3g} N*m stays unexplained{on}.")
         if unknown.change is not None:
             sentences.append(since_words(unknown.change))
-    shared = any(not item.recording for item in named)
+    shared = any(not item.recording and item.apart is None for item in named)
     if shared and rivals is not None and rivals.written != "named":
         sentences.append(rivals.why)
     return " ".join(sentences)
@@ -94,11 +94,21 @@ def _lacking(
     before = float(np.sqrt(np.nanmean([each.before**2 for each in per_joint])))
     held_out = float(np.sqrt(np.nanmean([each.held_out**2 for each in per_joint])))
     left = held_out if with_own is None else with_own
-    sentences.append(f"{left:.3g} of {before:.3g} N*m is left on motion that was not fitted.")
+    between = [item for item in named if item.apart is not None]
+    if len(between) < len(named):
+        sentences.append(f"{left:.3g} of {before:.3g} N*m is left on motion that was not fitted.")
+    sentences += dict.fromkeys(_between_words(item) for item in between)
     if any(item.recording for item in named):
         sentences.append(nothing_else(beyond))
     sentences += [_undecided(item) for item in named[:_SAID] if item.alternatives]
     return sentences
+
+
+def _between_words(finding: MotionFinding) -> str:
+    """How far a joint's two encoders are from each other beside what was found between them."""
+    assert finding.apart is not None
+    left = finding.apart.words[1]
+    return f"Between the two encoders of joint {finding.at[0]}, {left} is left on motion that was not fitted."
 
 
 def nothing_else(beyond: Sequence[float]) -> str:

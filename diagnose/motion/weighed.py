@@ -195,8 +195,8 @@ def _rows(log: PreparedLog, joint: int) -> Array:
     parts = [np.zeros((0, _OF_DRIVE + 1 + _OF_LOAD + 1))]
     for part, numbers, within in log.pieces():
         motion = log.piece(part)
-        v, a = motion.velocity[:, joint], motion.acceleration[:, joint]
-        of_links = regressor(motion.arm, motion.q, motion.velocity, motion.acceleration)[:, joint, -_OF_LOAD:]
+        moves, v, a = motion.of_links, motion.velocity[:, joint], motion.acceleration[:, joint]
+        of_links = regressor(motion.arm, moves.q, moves.velocity, moves.acceleration)[:, joint, -_OF_LOAD:]
         columns = [np.ones(len(v)), direction(v), v, a]
         columns += [inverse_dynamics(motion)[:, joint], *of_links.T, log.measured[part, joint]]
         parts.append(log.filtered(np.stack(columns, axis=1))[within][use[numbers]])

@@ -30,6 +30,12 @@ class MotionRules:
     speeds_agree: float = rule(
         0.1, "share of the square", "Logged speeds further from the coordinates' own are of something else."
     )
+    encoders_agree: float = rule(
+        0.1,
+        "share of the motion",
+        "Two encoders of a joint whose difference scatters by more than this share of the largest scatter of any "
+        "joint's coordinates tell of different motions. The second ones are not used.",
+    )
     gap: float = rule(0.25, "s", "Over a longer wait between two samples no motion is interpolated.")
     slow: float = rule(0.03, "rad/s or m/s", "Below it the sign of a speed is uncertain, and with it friction.", _LOGS)
     still: float = rule(

@@ -32,7 +32,8 @@ def _torques(motion: Motion, settings: Settings) -> Mapping[int, Array]:
     if size == 0.0:
         return {}
     step = moved * (_STEP / size)
-    ahead, behind = (inverse_dynamics(replace(motion, q=motion.q + way * step)) for way in (1.0, -1.0))
+    moves = motion.of_links
+    ahead, behind = (inverse_dynamics(replace(moves, q=moves.q + way * step)) for way in (1.0, -1.0))
     return dict(enumerate((ahead - behind).T * (size / (2.0 * _STEP))))
 
 

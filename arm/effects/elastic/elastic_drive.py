@@ -10,6 +10,8 @@ The motor gives its own rotor's torque and friction by theta, and tau_load besid
 Where the encoder sits on the joint's side it reads where the link stands, and tau_load is the rigid arm's. The motor
 goes ahead by d, x + T x' = tau_load, and takes J d'' for its rotor and F d' for its viscous friction: of a drive whose
 rotor and friction nobody says, nothing shows.
+
+Where there is an encoder on either side, torques follow from both motions, and d is what they differ by.
 """
 
 from __future__ import annotations
@@ -85,6 +87,8 @@ class OfElasticDrive:
         return float(1.0 / (inertia * (2.0 * np.pi * _USUAL) ** 2))
 
     def _joints(self, motion: Motion, settings: Settings) -> list[int]:
+        if motion.joint_side_rates is not None:  # where motor and link stand is known: each takes what its motion takes
+            return []
         return [index for index in range(motion.arm.size) if settings.acts_at(index) and _has_drive(motion.arm, index)]
 
 
@@ -162,7 +166,7 @@ class _Drive:
 
     def ahead(self, load: Array, late: float) -> Array:
         """What a motor takes (N,) for going ahead of its link under a load (N,), of a unit of compliance."""
-        rate, rate_of_rate = _rates(self.motion, _swing(self.motion, np.zeros(self.motion.size), late, load))
+        rate, rate_of_rate = _rates(self.motion, swing(self.motion, np.zeros(self.motion.size), late, load))
         alone = np.eye(self.motion.arm.size)[self.joint]
         motor = replace(self.motion, velocity=rate[:, None] * alone, acceleration=rate_of_rate[:, None] * alone)
         rubs = _said(self.motion.arm, self.joint, FRICTION_VISCOUS, "coefficient")
@@ -196,7 +200,7 @@ class _Drive:
         inertia = compliance * self.inertia if swings else np.zeros(self.motion.size)
         behind, left, moved = np.zeros(self.motion.size), load, self.arm.torque
         for _ in range(_ROUNDS if swings else 1):
-            behind = behind + _swing(self.motion, inertia, late, left)
+            behind = behind + swing(self.motion, inertia, late, left)
             rate, rate_of_rate = _rates(self.motion, behind)
             moved = self.rigid(compliance * behind, compliance * rate, compliance * rate_of_rate)
             left = load + (moved - self.arm.torque)[:, self.joint] - behind - late * rate
@@ -246,7 +250,7 @@ def _rates(motion: Motion, values: Array) -> tuple[Array, Array]:
     return np.asarray(curve(motion.time, 1)), np.asarray(curve(motion.time, 2))
 
 
-def _swing(motion: Motion, inertia: Array, late: float, load: Array) -> Array:
+def swing(motion: Motion, inertia: Array, late: float, load: Array) -> Array:
     """x (N,) of m x'' + T x' + x = load (N,), with m (N,) s^2 and T s, begun as if the motion had begun slowly.
 
     Newmark's method with constant mean acceleration, stable at any step (N. M. Newmark, ASCE J. Eng. Mech. Div. 85

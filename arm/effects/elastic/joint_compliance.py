@@ -90,7 +90,7 @@ JOINT_COMPLIANCE = Effect(
     formula="sum J_i tau_i / K_i; of an actuator whose catalogue has zones of stiffness zone by zone; in motion the "
     "link stands d_i behind the encoder of the motor, K_i d_i + D_i d'_i = tau_i(q - d)",
     place="joint",
-    drive=DriveTraits(needed=True, gives=True),
+    drive=DriveTraits(needed=True, gives=True, by_load=True),
     cause="flexibility",
     automatic=True,
     needs="two payloads, or joint-side encoders; in motion fast changes of torque",

@@ -72,7 +72,7 @@ JOINT_HARDENING = Effect(
     title="hardening of the drives",
     formula="sum J_i (c_i t0 tanh(tau_i/t0) + c tau_i); or three zones of stiffness K1, K2, K3 up to T1, T2 and beyond",
     place="joint",
-    drive=DriveTraits(needed=True),
+    drive=DriveTraits(needed=True, by_load=True),
     cause="flexibility",
     needs="a wide range of torque",
     aliases=("joint_compliance",),

@@ -43,7 +43,7 @@ def _torques(motion: Motion, settings: Settings) -> Mapping[int, Array]:
     change = _change(arm.gravity, settings, planar=arm.planar())
     if is_zero(change):
         return {}
-    return dict(enumerate(gravity_torque(arm, motion.q, change, motion.payload_mass).T))
+    return dict(enumerate(gravity_torque(arm, motion.of_links.q, change, motion.payload_mass).T))
 
 
 def _turned(settings: Settings) -> Vector:

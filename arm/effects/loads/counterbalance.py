@@ -41,7 +41,7 @@ def _moved(state: PoseState, settings: Settings, index: int) -> Scalar:
 def _pull(motion: Motion, values: Mapping[str, float], joint: int) -> Array:
     """What the drive needs not push, as the spring does."""
     arm: Arm = motion.arm
-    frames = place(arm, list(motion.q.T))
+    frames = place(arm, list(motion.of_links.q.T))
     along, axis = frames.links[joint].along, frames.joints[joint].axis
     angle = columns(_angle(along, axis, arm.gravity, planar=arm.planar()), motion.size)
     return -values.get("torque_cosine", 0.0) * angle[:, 0] - values.get("torque_sine", 0.0) * angle[:, 1]

@@ -60,8 +60,8 @@ def torque_of_more(motion: Motion, parameters: Array) -> Mapping[int, Array]:
     """What links of these parameters (n, 10) take of the drives beside the arm's own."""
     if not parameters.any():
         return MappingProxyType({})
-    arm = without_tip_load(motion.arm)
-    result = rigid_torque(arm, parameters, motion.q, motion.velocity, motion.acceleration)
+    arm, moves = without_tip_load(motion.arm), motion.of_links
+    result = rigid_torque(arm, parameters, moves.q, moves.velocity, moves.acceleration)
     last = int(np.flatnonzero(parameters.any(axis=1))[-1])
     return {index: result[:, index] for index in range(last + 1)}
 

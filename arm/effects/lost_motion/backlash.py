@@ -51,7 +51,7 @@ BACKLASH = Effect(
     title="backlash of the drives",
     formula="1/2 sum J_i b_i sgn(tau_i) where the load seats it; -1/2 sum J_i b_i s_i where friction holds it",
     place="joint",
-    drive=DriveTraits(needed=True),
+    drive=DriveTraits(needed=True, by_load=True),
     cause="play and friction",
     automatic=True,
     needs="a reversal of torque, or every pose from both sides",

@@ -15,10 +15,14 @@ from linkwright.core.diagnose.motion.result import MotionFinding
 _POSTURES = 500
 """Samples whose postures are looked at."""
 _READ = (
-    "Coordinates are taken to be of the motor's encoder (else write `encoders: joint` into recording.yaml).",
-    "Coordinates are of an encoder on the joint's side.",
+    " Coordinates are taken to be of the motor's encoder (else write `encoders: joint` into recording.yaml).",
+    " Coordinates are of an encoder on the joint's side.",
 )
 """Of what coordinates are: of the motor's encoder, or of one on the joint's side."""
+
+
+def _read(motion: Motion) -> str:
+    return "" if motion.joint_side_rates is not None else _READ[motion.beyond_drive]
 
 
 def eigenfrequency_notes(arm: Arm, named: Sequence[MotionFinding], motions: Sequence[Motion]) -> tuple[str, ...]:
@@ -42,7 +46,6 @@ def eigenfrequency_notes(arm: Arm, named: Sequence[MotionFinding], motions: Sequ
         low, high = (f"{each:.3g}" for each in eigenfrequencies(arm, q, joint, compliance))
         span = f"{low} Hz" if low == high else f"{low} to {high} Hz"
         made.append(
-            f"With its motor held, the arm swings on the drive of joint {joint + 1} at {span}. "
-            f"{_READ[motions[0].beyond_drive]}"
+            f"With its motor held, the arm swings on the drive of joint {joint + 1} at {span}.{_read(motions[0])}"
         )
     return tuple(made)

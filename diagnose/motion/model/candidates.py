@@ -268,6 +268,8 @@ def _probe(motion: Motion) -> tuple[Motion, Motion]:
     q = motion.q[0] + 0.3 * np.sin(phase)
     wave = np.cos(0.7 * phase) + joints
 
+    velocity, acceleration = 0.3 * rate * np.cos(phase), -0.3 * rate**2 * np.sin(phase)
+
     def like(held: Array | None, values: Array) -> Array | None:
         return None if held is None else values
 
@@ -275,11 +277,12 @@ def _probe(motion: Motion) -> tuple[Motion, Motion]:
         motion,
         time=time,
         q=q,
-        velocity=0.3 * rate * np.cos(phase),
-        acceleration=-0.3 * rate**2 * np.sin(phase),
+        velocity=velocity,
+        acceleration=acceleration,
         torque=wave,
         commanded=like(motion.commanded, q + 1e-3 * wave),
         joint_side=like(motion.joint_side, q + 1e-3 * wave),
+        joint_side_rates=None if motion.joint_side_rates is None else (velocity, acceleration),
         payload_mass=None if motion.payload_mass is None else np.full(_PROBED, motion.payload_mass[0]),
         temperature=like(motion.temperature, 300.0 + time),
     )

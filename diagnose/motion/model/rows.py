@@ -218,7 +218,8 @@ def _fill(
 ) -> None:
     """Enter the filtered columns of some sources in a piece; what is not linear `about` some sizes."""
     inertial = any(isinstance(source.effect.torques, OfInertia) for source in sources)
-    slopes = regressor(motion.arm, motion.q, motion.velocity, motion.acceleration) if inertial else None
+    moves = motion.of_links
+    slopes = regressor(motion.arm, moves.q, moves.velocity, moves.acceleration) if inertial else None
     raw: list[list[Array]] = [[] for _ in design]
     at: list[list[int]] = [[] for _ in design]
     for source in sources:

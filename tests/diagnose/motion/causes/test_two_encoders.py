@@ -1,0 +1,179 @@
+"""Encoders on both sides of the drives: MuJoCo swings an arm whose second joint is a motor with a gear behind it."""
+
+from dataclasses import replace
+
+import mujoco
+import numpy as np
+import pytest
+
+from linkwright.core.arm.chain.chain import EffectEntry
+from linkwright.core.arm.descriptions.imported import import_robot
+from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
+from linkwright.core.diagnose.motion.log import MotionLog
+from linkwright.core.diagnose.motion.predict import predict_motion
+
+THREE = """<mujoco model="three"><compiler angle="radian"/><option timestep="{step}" gravity="0 0 -9.81"/><worldbody>
+<body pos="0 0 .3"><joint name="j1" axis="0 0 1" range="-3 3"/>
+<inertial pos="0 .02 -.03" mass="5" diaginertia=".03 .03 .02"/>
+<body pos="0 0 .1"><joint name="j2" axis="0 1 0" range="-3 3"/>{gear}
+<inertial pos=".2 0 0" mass="4" diaginertia=".01 .07 .07"/>
+<body pos=".45 0 0"><joint name="j3" axis="0 1 0" range="-3 3"/>
+<inertial pos=".18 .01 0" mass="2.2" diaginertia=".004 .035 .035"/><site name="tool" pos=".4 0 0"/>
+</body></body></body>{end}</worldbody></mujoco>"""
+GEAR = '<inertial pos="0 0 0" mass="1e-6" diaginertia="1e-8 1e-8 1e-8"/><body><joint name="gear" axis="0 1 0" {does}/>'
+NAMES = ("j1", "j2", "j3")
+ROTORS = np.array([0.5, 0.6, 0.2])
+RUBS = np.array([1.5, 2.0, 0.8])
+"""N*m, dry friction of the motors."""
+STIFFNESS, RETARDATION, PLAY = 700.0, 0.01, 2e-3
+SPRING = f'stiffness="{STIFFNESS}" damping="{RETARDATION * STIFFNESS}"'
+LOOSE = f'limited="true" range="{-PLAY / 2} {PLAY / 2}" solreflimit="-2e6 -800" damping="0.05"'
+
+
+def log_of(does="", seed=3, step=5e-4, offset=(0.0, 0.0, 0.0), noise=1e-5):
+    """25 s at 100 Hz under a controller: coordinates of motors and of links, these with an `offset`, noise of both, and
+    torques with a noise of 0.05 N*m. `does` says what the gear of the second joint is; nothing: it is stiff."""
+    rng = np.random.default_rng(seed)
+    text = THREE.format(step=step, gear=GEAR.format(does=does) if does else "", end="</body>" if does else "")
+    model = mujoco.MjModel.from_xml_string(text)
+    at = np.array([model.joint(name).dofadr[0] for name in NAMES])
+    model.dof_armature[at], model.dof_frictionloss[at] = ROTORS, RUBS
+    data = mujoco.MjData(model)
+    mujoco.mj_setConst(model, data)
+    rates = 2.0 * np.pi / 25.0 * rng.choice(np.arange(3, 40), (3, 5), replace=False)
+    sizes, start = 0.6 * rng.uniform(0.5, 1.0, (3, 5)) / rates, rng.uniform(0.0, 6.0, (3, 5))
+
+    upright = np.array([0.0, -0.5 * np.pi, 0.0])
+
+    def asked(time):
+        """Coordinates and speeds about an upright arm, whose loads pull to either side."""
+        part = min(max(time / 3.0 - 1.0, 0.0), 1.0)
+        grown, growing = part**2 * (3.0 - 2.0 * part), 2.0 * part * (1.0 - part)
+        wave = np.sum(sizes * np.sin(rates * time + start), 1)
+        return upright + grown * wave, growing * wave + grown * np.sum(sizes * rates * np.cos(rates * time + start), 1)
+
+    data.qpos[at] = asked(0.0)[0]
+    rows = []
+    every = round(0.01 / step)
+    for number in range(28 * 100 * every):
+        q, v = asked(data.time)
+        torque = 900.0 * ROTORS * (q - data.qpos[at]) + 60.0 * ROTORS * (v - data.qvel[at])
+        if number % every == 0:
+            behind = np.array([0.0, data.qpos[model.joint("gear").qposadr[0]] if does else 0.0, 0.0])
+            rows.append((data.time, *data.qpos[at], *data.qpos[at] + behind, *torque))
+        data.qfrc_applied[at] = torque
+        mujoco.mj_step(model, data)
+    table = np.array(rows)[300:]
+    motor, link = (part + noise * rng.standard_normal(part.shape) for part in (table[:, 1:4], table[:, 4:7]))
+    noisy = table[:, 7:] + 0.05 * rng.standard_normal(motor.shape)
+    return MotionLog(
+        "log", table[:, 0] - table[0, 0], motor, noisy, np.arange(len(table)), joint_side=link + np.array(offset)
+    )
+
+
+@pytest.fixture(scope="module")
+def arm(tmp_path_factory):
+    path = tmp_path_factory.mktemp("three") / "three.xml"
+    path.write_text(THREE.format(step=5e-4, gear="", end=""), encoding="utf-8")
+    known = [("armature", {"inertia": float(size)}) for size in ROTORS]
+    known += [("friction_coulomb", {"torque": float(size)}) for size in RUBS]
+    entries = (EffectEntry(effect, (k % 3 + 1,), size) for k, (effect, size) in enumerate(known))
+    return replace(import_robot(path).arm, effects=tuple(entries))
+
+
+@pytest.fixture(scope="module")
+def springy():
+    return log_of(SPRING)
+
+
+def named(result):
+    return {(item.effect, item.at): {each.parameter: each for each in item.parameters} for item in result.findings}
+
+
+def rounded(log, to=2e-4):
+    """The log with coordinates in counts (rad)."""
+    return replace(log, q=to * np.round(log.q / to), joint_side=to * np.round(log.joint_side / to))
+
+
+def test_a_gear_between_two_encoders_is_named_with_stiffness_and_damping(arm, springy):
+    result = diagnose_motion(arm, [springy])
+    assert result.verdict == "named"
+    found = named(result)
+    assert set(found) == {("joint_compliance", (2,))}
+    sizes = found["joint_compliance", (2,)]
+    for name, true, within in (("compliance", 1.0 / STIFFNESS, 0.005), ("retardation", RETARDATION, 0.03)):
+        low, high = sizes[name].interval
+        assert low < true < high
+        assert high - low < 2.0 * within * true
+    assert any("q is of the motor's side" in note for note in result.notes)
+
+
+def test_the_written_arm_explains_both_encoders(arm, springy):
+    """The file is the arm of the next diagnosis, in which nothing is missing; torques are foretold as promised."""
+    result = diagnose_motion(arm, [springy])
+    assert any(entry.effect == "joint_compliance" for entry in result.corrected.effects)
+    rms = np.array(predict_motion(result.corrected, springy).rms)
+    assert float(np.sqrt(np.mean(rms**2))) == pytest.approx(result.rms_after, rel=1e-6)
+    assert diagnose_motion(result.corrected, [springy]).findings == ()
+
+
+def test_links_move_as_the_encoders_behind_the_gears_say(arm, springy):
+    """By the motors' encoders alone the torques lack what the links swing."""
+    alone = replace(springy, joint_side=None)
+    by_links, by_motors = (predict_motion(arm, log).rms[1] for log in (springy, alone))
+    assert by_links < 0.03
+    assert by_motors > 10.0 * by_links
+
+
+@pytest.mark.parametrize("said", [False, True])
+def test_loads_show_which_encoder_is_the_motors(arm, springy, said):
+    """Whatever recording.yaml says."""
+    swapped = replace(springy, q=springy.joint_side, joint_side=springy.q, beyond_drive=said)
+    result = diagnose_motion(arm, [swapped])
+    compliance = named(result)["joint_compliance", (2,)]["compliance"]
+    assert compliance.value == pytest.approx(1.0 / STIFFNESS, rel=0.005)
+    assert any("q is of the link's side" in note for note in result.notes)
+
+
+def test_play_between_two_encoders_is_backlash_and_no_compliance(arm):
+    log = log_of(LOOSE, step=1e-4)
+    for each in (log, rounded(log)):
+        found = named(diagnose_motion(arm, [each]))
+        assert set(found) == {("backlash", (2,))}
+        low, high = found["backlash", (2,)]["total"].interval
+        assert low < PLAY < high
+        assert high - low < 0.1 * PLAY
+
+
+def test_encoders_with_other_zeros_and_clocks_show_nothing_of_the_arm(arm):
+    log = log_of(offset=(0.02, -0.01, 0.005))
+    later = replace(log, joint_side=np.vstack((log.joint_side[:1], log.joint_side[:-1])))
+    for each, late in ((log, 0.0), (rounded(log), 0.0), (later, 10.0)):
+        result = diagnose_motion(arm, [each])
+        assert result.verdict == "none"
+        (note,) = (note for note in result.notes if "Zeros of j" in note)
+        assert "20 mrad, -10 mrad, 5 mrad" in note
+        assert float(note.split("read ")[1].split(" ms")[0]) == pytest.approx(late, abs=0.2)
+
+
+def test_masses_that_are_wrong_are_not_taken_for_a_soft_gear(arm, springy):
+    """Loads are those of the arm as it is written."""
+    links = tuple(
+        replace(link, masses=tuple(replace(mass, mass=1.2 * mass.mass) for mass in link.masses)) for link in arm.links
+    )
+    found = named(diagnose_motion(replace(arm, links=links), [springy]))
+    low, high = found["joint_compliance", (2,)]["compliance"].interval
+    assert low < 1.0 / STIFFNESS < high
+
+
+@pytest.mark.parametrize(
+    ("spoil", "why"),
+    [
+        (lambda log: [replace(log, joint_side=-log.joint_side)], "tell of another motion"),
+        (lambda log: [log, replace(log, joint_side=None)], "some logs have none"),
+    ],
+)
+def test_second_encoders_that_cannot_be_are_not_used(arm, springy, spoil, why):
+    result = diagnose_motion(arm, spoil(springy))
+    assert any(why in note for note in result.notes)
+    assert all(item.apart is None for item in result.findings)
