@@ -18,7 +18,8 @@ Look up here what each effect does to the tip or to the drives, and which parame
 `linkwright effects show ID` adds bounds and sources. An arm file names an effect under `effects`, with its parameters
 and `at` (numbers of joints or links from 1; none: all): `{effect: backlash, at: 2, total: 3 arcmin}`. Effects marked
 *in the model* are there wherever the arm file has their data. An entry adds to them, and `leave_out: [torsion]` takes
-one out. A parameter in round brackets changes the pattern of the displacement and not its size. The page is written
+one out. Those *between encoders* move a link against its motor by the load alone, so that a motion log with an encoder
+on either side shows how far. A parameter in round brackets changes the pattern of the displacement and not its size. The page is written
 from the program itself (`make effects-docs`).
 
 With u_i along link i, n_i along its section's height, o_i joint i, p the tip, J_i = axis_i x (p - o_i) (along a slide:
@@ -41,7 +42,8 @@ def effect_page() -> str:
 
 
 def _row(effect: Effect) -> str:
-    where = f"{effect.only or effect.place}{', in the model' if effect.automatic else ''}"
+    marks = (", in the model" * effect.automatic, ", between encoders" * effect.drive.by_load)
+    where = f"{effect.only or effect.place}{''.join(marks)}"
     text = [
         f"`{effect.id}`<br>{effect.title} ({where}). Seen by: {effect.needs}",
         effect.formula,

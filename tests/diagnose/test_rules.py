@@ -92,6 +92,8 @@ NO_RULES = {
     "motion/findings.py": {"_NOTHING"},  # rounding
     "motion/judged.py": {"_SETTLED", "_STEPS", "_WORSE"},
     "motion/diagnosis.py": {"_ROTORS"},
+    "motion/encoders/between.py": {"_EXACT", "_LONGEST", "_NUDGE"},  # how far and how finely a delay is sought
+    "motion/encoders/sides.py": {"_PARTS"},
     "motion/events/changed.py": {"SURE", "_PARTS", "_ROUNDS"},  # a normal distribution's; how a search goes
     "motion/events/found.py": {"_DRAWS", "_FELT", "_MOST", "_PARTS", "_ROUNDS"},
     "motion/events/placed.py": {"_AT_ONCE", "_BARELY", "_INSTANTS", "_ROUNDS", "SETTLED", "_TAIL"},

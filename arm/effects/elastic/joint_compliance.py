@@ -93,7 +93,7 @@ JOINT_COMPLIANCE = Effect(
     drive=DriveTraits(needed=True, gives=True, by_load=True),
     cause="flexibility",
     automatic=True,
-    needs="two payloads, or joint-side encoders; in motion fast changes of torque",
+    needs="two payloads, or joint-side encoders; in motion encoders on both sides, or fast changes of torque",
     aliases=("link_bending", "servo_droop", "base_compliance", "link_inertial", "torque_delay"),
     source="M. W. Spong, Modeling and Control of Elastic Joint Robots, ASME J. Dyn. Sys. 109 (1987), "
     "doi:10.1115/1.3143860",

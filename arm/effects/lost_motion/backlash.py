@@ -54,7 +54,7 @@ BACKLASH = Effect(
     drive=DriveTraits(needed=True, by_load=True),
     cause="play and friction",
     automatic=True,
-    needs="a reversal of torque, or every pose from both sides",
+    needs="a reversal of torque, or every pose from both sides; in motion encoders on both sides",
     aliases=("encoder_offset",),
     source="ISO 230-2:2014 (reversal error); ISO 9283:1998 (multi-directional pose accuracy variation)",
     parameters=(

@@ -11,10 +11,11 @@ from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 from types import MappingProxyType
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.optimize import fminbound
+from scipy.optimize import minimize_scalar
 from scipy.stats import t as student
 
 from linkwright.core.arm.chain.chain import Arm, EffectEntry
@@ -297,7 +298,8 @@ class _Joint:
         late = 0.0
         if shapes:
             most = _LONGEST * max(shapes[0].grid)
-            late = float(fminbound(left, 0.0, most, xtol=_EXACT))
+            best: Any = minimize_scalar(left, bounds=(0.0, most), method="bounded", options={"xatol": _EXACT})
+            late = float(best.x)
         at = columns(late)
         sizes = np.asarray(np.linalg.lstsq(at, self.apart, rcond=None)[0], dtype=float)
         return _Set(effects, late, at, sizes, self._held_out(at), float(np.sum((self.apart - at @ sizes) ** 2)))
