@@ -18,9 +18,9 @@ Look up here what each effect does to the tip or to the drives, and which parame
 `linkwright effects show ID` adds bounds and sources. An arm file names an effect under `effects`, with its parameters
 and `at` (numbers of joints or links from 1; none: all): `{effect: backlash, at: 2, total: 3 arcmin}`. Effects marked
 *in the model* are there wherever the arm file has their data. An entry adds to them, and `leave_out: [torsion]` takes
-one out. Those *between encoders* move a link against its motor by the load alone, so that a motion log with an encoder
-on either side shows how far. A parameter in round brackets changes the pattern of the displacement and not its size. The page is written
-from the program itself (`make effects-docs`).
+one out. Those *between encoders* move a link against its motor by the load alone: motion logs with an encoder on
+either side show how far. A parameter in round brackets changes the pattern of the displacement and not its size. The
+page is written from the program itself (`make effects-docs`).
 
 With u_i along link i, n_i along its section's height, o_i joint i, p the tip, J_i = axis_i x (p - o_i) (along a slide:
 its axis), tau_i the load on drive i, F, M, w a link's end force, end moment and weight per length, s_i the side that

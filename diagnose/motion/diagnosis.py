@@ -25,8 +25,9 @@ from .causes.swinging import eigenfrequency_notes
 from .corrected import entry_of
 from .differing import Differing, differing, differing_findings, squares_of
 from .each_log import of_log
-from .encoders.between import Between, Torques, between_encoders
+from .encoders.between import Between, between_encoders
 from .encoders.findings import encoder_findings, encoder_notes, with_like_encoders
+from .encoders.load_rows import Torques
 from .events.changed import change_of
 from .events.found import next_event, set_aside
 from .findings import finding_of, findings

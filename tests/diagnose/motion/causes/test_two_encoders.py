@@ -11,6 +11,7 @@ from linkwright.core.arm.descriptions.imported import import_robot
 from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
 from linkwright.core.diagnose.motion.log import MotionLog
 from linkwright.core.diagnose.motion.predict import predict_motion
+from linkwright.json.motion import motion_json
 
 THREE = """<mujoco model="three"><compiler angle="radian"/><option timestep="{step}" gravity="0 0 -9.81"/><worldbody>
 <body pos="0 0 .3"><joint name="j1" axis="0 0 1" range="-3 3"/>
@@ -106,6 +107,8 @@ def test_a_gear_between_two_encoders_is_named_with_stiffness_and_damping(arm, sp
         assert low < true < high
         assert high - low < 2.0 * within * true
     assert any("q is of the motor's side" in note for note in result.notes)
+    (finding,) = motion_json(result)["findings"]
+    assert finding["between_encoders_rms"]["left"] < 1e-4 < 1e-2 < finding["between_encoders_rms"]["without"]
 
 
 def test_the_written_arm_explains_both_encoders(arm, springy):
@@ -154,6 +157,25 @@ def test_encoders_with_other_zeros_and_clocks_show_nothing_of_the_arm(arm):
         (note,) = (note for note in result.notes if "Zeros of j" in note)
         assert "20 mrad, -10 mrad, 5 mrad" in note
         assert float(note.split("read ")[1].split(" ms")[0]) == pytest.approx(late, abs=0.2)
+
+
+def not_of_loads(log, size):
+    """What encoders that are eccentric, a gear of seven waves a turn and friction behind the gear make of a link's
+    coordinate (rad)."""
+    speed = np.gradient(log.q, log.time, axis=0)
+    return size * (np.sin(log.q + 1.0) + 0.3 * np.sin(7.0 * log.q) + 0.3 * np.tanh(speed / 0.02))
+
+
+def test_what_goes_with_angles_and_speeds_is_no_compliance_and_hides_none(arm):
+    log = log_of()
+    assert diagnose_motion(arm, [replace(log, joint_side=log.joint_side + not_of_loads(log, 5e-4))]).findings == ()
+    stiff = 2e4
+    log = log_of(f'stiffness="{stiff}" damping="100"', step=1e-4)
+    found = named(diagnose_motion(arm, [replace(log, joint_side=log.joint_side + not_of_loads(log, 2e-4))]))
+    assert set(found) == {("joint_compliance", (2,))}
+    low, high = found["joint_compliance", (2,)]["compliance"].interval
+    assert low < 1.0 / stiff < high
+    assert high - low < 0.1 / stiff
 
 
 def test_masses_that_are_wrong_are_not_taken_for_a_soft_gear(arm, springy):
