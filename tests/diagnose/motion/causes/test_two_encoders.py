@@ -107,7 +107,7 @@ def test_a_gear_between_two_encoders_is_named_with_stiffness_and_damping(arm, sp
         assert low < true < high
         assert high - low < 2.0 * within * true
     assert any("q is of the motor's side" in note for note in result.notes)
-    (finding,) = motion_json(result)["findings"]
+    (finding,) = motion_json(result)["missing"]
     assert finding["between_encoders_rms"]["left"] < 1e-4 < 1e-2 < finding["between_encoders_rms"]["without"]
 
 
