@@ -92,7 +92,13 @@ NO_RULES = {
     "motion/findings.py": {"_NOTHING"},  # rounding
     "motion/judged.py": {"_SETTLED", "_STEPS", "_WORSE"},
     "motion/diagnosis.py": {"_ROTORS"},
-    "motion/encoders/between.py": {"_EXACT", "_LONGEST", "_NUDGE"},  # how far and how finely a delay is sought
+    "motion/encoders/between.py": {
+        "_EXACT",
+        "_LONGEST",
+        "_NUDGE",
+        "_ROUNDS",
+    },  # how far and how finely a delay is sought
+    "motion/encoders/load_rows.py": {"_STEP"},
     "motion/encoders/sides.py": {"_PARTS"},
     "motion/events/changed.py": {"SURE", "_PARTS", "_ROUNDS"},  # a normal distribution's; how a search goes
     "motion/events/found.py": {"_DRAWS", "_FELT", "_MOST", "_PARTS", "_ROUNDS"},

@@ -8,7 +8,7 @@ back, which goes by the sign of the speed.
 from __future__ import annotations
 
 from collections.abc import Collection, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import Any
 
@@ -29,6 +29,8 @@ _NUDGE = 0.01
 """Of a load and of a delay, by which slopes over them are taken."""
 _EXACT = 1e-6
 """s, to which a delay is sought."""
+_ROUNDS = 2
+"""Times that a pattern is taken about how late it is."""
 _LONGEST = 2.0
 """Times the longest delay on an effect's grid, up to which one is sought."""
 
@@ -119,8 +121,8 @@ class _Fits:
         def left(late: float) -> float:
             return float(np.sum(_left(columns(late), self.rows.apart) ** 2))
 
-        late = 0.0
-        if shapes:
+        late = shapes[0].default + self.rows.longer if shapes else 0.0
+        if shapes and not self.rows.lags.any():  # of a drive that the file has, the whole lags, not what is added
             most = _LONGEST * max(shapes[0].grid)
             best: Any = minimize_scalar(left, bounds=(0.0, most), method="bounded", options={"xatol": _EXACT})
             late = float(best.x)
@@ -129,6 +131,17 @@ class _Fits:
         return _Set(
             effects, waves, late, at, sizes, self._held_out(at), float(np.sum((self.rows.apart - at @ sizes) ** 2))
         )
+
+    def as_late(self, tried: _Set) -> tuple[_Fits, _Set]:
+        """The same about how late the whole drive is by a set, where the arm's file has it give."""
+        if not self.rows.lags.any():
+            return self, tried
+        slope = float(tried.sizes[len(tried.effects) + self.rows.beside.shape[1] - 1])
+        added = tried.columns[:, : len(tried.effects)] @ tried.sizes[: len(tried.effects)]
+        whole = self.rows.expected + added
+        longer = slope * float(self.rows.expected @ whole) / max(float(whole @ whole), 1e-300)
+        fits = replace(self, rows=replace(self.rows, longer=self.rows.longer + longer))
+        return fits, fits.fitted(tried.effects, waves=tried.waves)
 
     def _held_out(self, columns: Array) -> Array:
         """Sums of squares (B,) that fits to the other folds leave."""
@@ -146,7 +159,7 @@ class _Fits:
 
     def by_unsure_load(self, tried: _Set) -> float:
         """RMS (rad, m) by which the difference may be off where the load is by what is left of the torque."""
-        more = (self.rows.of_arm(1.0 + _NUDGE) - self.rows.expected) / _NUDGE
+        more = (self.rows.of_arm(scale=1.0 + _NUDGE) - self.rows.expected) / _NUDGE
         for effect, size in zip(tried.effects, tried.sizes, strict=False):
             more += (
                 size * (self.rows.unit(effect, tried.late, 1.0 + _NUDGE) - self.rows.unit(effect, tried.late)) / _NUDGE
@@ -234,7 +247,7 @@ class _Fits:
         without = self.fitted(tuple(e for k, e in enumerate(tried.effects) if k != place), waves=tried.waves)
         size, shape = effect.sizes[0].name, late_shape(effect)
         sizes, reach = {size: float(tried.sizes[place])}, {size: float(half[place])}
-        if shape is not None and tried.late > half[-1]:  # else nothing shows how late it is
+        if shape is not None and tried.late > half[-1] and not self.rows.lags.any():  # else nothing shows it
             sizes[shape.name], reach[shape.name] = tried.late, float(half[-1])
         blocks = len(np.unique(self.rows.block))
         gain = float(without.left.sum()) / max(float(tried.left.sum()), 1e-300)
@@ -273,6 +286,8 @@ def _at_joint(joint: _Fits, effects: Sequence[Effect]) -> Between:
         without = joint.fitted(others, waves=current.waves)
         if not joint.named(joint.fitted((*others, effect), waves=current.waves), without):
             current = without
+    for _ in range(_ROUNDS):
+        joint, current = joint.as_late(current)
     # Waves are nothing of the arm that loads show, but they must not stand for what is.
     causes = tuple(joint.cause(current, place) for place in range(len(current.effects)))
     return Between(

@@ -62,6 +62,11 @@ def _length(value: float, slides: bool) -> str:
 def encoder_notes(arm: Arm, prepared: Sequence[PreparedLog], shown: Sequence[Between]) -> tuple[str, ...]:
     """Of what second encoders are taken to be, how far their zeros are apart, and what nothing explains of them."""
     made = [_of_log(arm, Path(log.log.file).name, log.encoders) for log in prepared if log.encoders is not None]
+    made += [
+        f"{Path(log.log.file).name}: j columns are not used, because samples are too far apart to tell loads."
+        for log in prepared
+        if log.encoders is None and log.log.joint_side is not None
+    ]
     if shown:
         left = [
             f"{_length(item.after, not arm.joints[item.joint - 1].revolute)} at joint {item.joint}" for item in shown

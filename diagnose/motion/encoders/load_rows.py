@@ -25,6 +25,9 @@ from linkwright.core.diagnose.motion.model.entries import with_entries
 from linkwright.core.diagnose.motion.preparation import PreparedLog
 from linkwright.core.sections.numeric import Array
 
+_STEP = 1e-4
+"""s, by which the slope over a delay is taken."""
+
 
 @dataclass(frozen=True)
 class Torques:
@@ -103,8 +106,11 @@ class Logs:
             parts.append(log.filtered(of_piece(piece))[piece.within])
         return np.concatenate(parts)
 
-    def pattern(self, effect: Effect, joint: int, values: Mapping[str, float], scale: float = 1.0) -> OfPiece:
-        """What an effect with values moves a joint (from 0) by, (P, 1), under `scale` times the loads."""
+    def pattern(
+        self, effect: Effect, joint: int, values: Mapping[str, float], scale: float = 1.0, longer: float = 0.0
+    ) -> OfPiece:
+        """What an effect with values moves a joint (from 0) by, (P, 1), under `scale` times the loads, so much `longer`
+        (s) behind them than the values say."""
         late = late_shape(effect)
         settings = Settings((joint,), MappingProxyType(dict(values)))
 
@@ -112,7 +118,7 @@ class Logs:
             loads = scale * piece.load
             if late is not None:
                 loads = loads.copy()
-                behind = values.get(late.name, late.default or 0.0)
+                behind = values.get(late.name, late.default) + longer
                 loads[:, joint] = swing(piece.motion, np.zeros(len(loads)), behind, loads[:, joint])
             return seen_by_drives(self.state, effect, settings, loads)[:, joint : joint + 1]
 
@@ -126,11 +132,13 @@ def late_shape(effect: Effect) -> Parameter | None:
 
 @dataclass(frozen=True)
 class JointRows:
-    """A joint (from 0) of logs: M samples are kept of them, of which R count."""
+    """A joint (from 0) of logs: M samples are kept of them, of which R count. The arm's own angles are taken to lag
+    their loads `longer` (s) than its file says."""
 
     made: Logs
     torques: Torques
     joint: int
+    longer: float = 0.0
 
     @cached_property
     def load(self) -> Array:
@@ -154,12 +162,15 @@ class JointRows:
 
     @cached_property
     def used(self) -> NDArray[np.bool_]:
-        """The samples (M,) that count: nothing pushes the arm, and the sign of the load is known, as far as it is."""
+        """The samples (M,) that count: away from where the low-pass begins and ends, where nothing pushes the arm, and
+        the sign of the load is known, as far as it is."""
         use = np.ones(len(self.load), dtype=bool)
         clock = np.concatenate([log.motion.time[log.kept] for log in self.made.logs])
         which = np.repeat(np.arange(len(self.made.logs)), [len(log.kept) for log in self.made.logs])
         for number, log in enumerate(self.made.logs):
-            for begin, end in log.log.aside:
+            ends = [log.motion.time[at] for part in log.stretches for at in (part.start, part.stop - 1)]
+            spans = [*log.log.aside, *((end - 1.0 / log.cutoff, end + 1.0 / log.cutoff) for end in ends)]
+            for begin, end in spans:
                 use &= ~((which == number) & (clock >= begin) & (clock <= end))
         sure = use & (np.abs(self.load) > 2.0 * self.unsure)
         return sure if sure.sum() > 0.5 * use.sum() else use
@@ -172,12 +183,14 @@ class JointRows:
     @cached_property
     def expected(self) -> Array:
         """What the arm itself does between the two (R,), rad (m)."""
-        return self.of_arm(1.0)
+        return self.of_arm()
 
-    def of_arm(self, scale: float) -> Array:
-        """The same under `scale` times the loads."""
+    def of_arm(self, *, scale: float = 1.0, longer: float = 0.0) -> Array:
+        """The same under `scale` times the loads, its angles so much `longer` (s) behind them."""
         parts = (
-            self.rows(self.made.pattern(EFFECTS[entry.effect], self.joint, entry.parameters, scale))
+            self.rows(
+                self.made.pattern(EFFECTS[entry.effect], self.joint, entry.parameters, scale, self.longer + longer)
+            )
             for entry in self.made.own
             if not entry.at or self.joint + 1 in entry.at
         )
@@ -185,7 +198,8 @@ class JointRows:
 
     @cached_property
     def beside(self) -> Array:
-        """What is no physics of the arm (R, L + 2): an offset in each log, a delay, and friction behind the gear."""
+        """What is no physics of the arm (R, L + 2 or 3): an offset in each log, a delay, friction behind the gear, and,
+        where it gives, how much longer its angles lag their loads (s), of which its file may say nothing."""
 
         def by_speed(piece: Piece) -> Array:
             speed = piece.motion.velocity[:, self.joint]
@@ -193,7 +207,13 @@ class JointRows:
 
         which = np.repeat(np.arange(len(self.made.logs)), [len(log.kept) for log in self.made.logs])
         offsets = (which[:, None] == np.arange(len(self.made.logs))).astype(float)
-        return np.hstack((offsets, self.made.filtered(by_speed)))[self.used]
+        columns = np.hstack((offsets, self.made.filtered(by_speed)))[self.used]
+        return np.column_stack((columns, self.lags)) if self.lags.any() else columns
+
+    @cached_property
+    def lags(self) -> Array:
+        """What a second changes (R,) by which the arm's own angles lag their loads longer."""
+        return (self.of_arm(longer=_STEP) - self.expected) / _STEP
 
     @cached_property
     def waves(self) -> Array:

@@ -111,6 +111,19 @@ def test_a_gear_between_two_encoders_is_named_with_stiffness_and_damping(arm, sp
     assert finding["between_encoders_rms"]["left"] < 1e-4 < 1e-2 < finding["between_encoders_rms"]["without"]
 
 
+@pytest.mark.parametrize("stiffness", [350.0, STIFFNESS, 1400.0])
+def test_what_the_file_gives_a_drive_counts(arm, springy, stiffness):
+    """Found is the compliance beyond that of the file, though this says nothing of the gear's damping."""
+    joints = tuple(replace(joint, stiffness=stiffness if k == 1 else None) for k, joint in enumerate(arm.joints))
+    found = named(diagnose_motion(replace(arm, joints=joints), [springy]))
+    if stiffness == STIFFNESS:
+        assert found == {}
+        return
+    low, high = found["joint_compliance", (2,)]["compliance"].interval
+    assert low < 1.0 / STIFFNESS - 1.0 / stiffness < high
+    assert high - low < 0.01 / STIFFNESS
+
+
 def test_the_written_arm_explains_both_encoders(arm, springy):
     """The file is the arm of the next diagnosis, in which nothing is missing; torques are foretold as promised."""
     result = diagnose_motion(arm, [springy])
