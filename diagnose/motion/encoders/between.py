@@ -235,11 +235,12 @@ class _Fits:
     @cached_property
     def _scale(self) -> float:
         """By which share of itself the load may be off, as a 95 % interval: its part in what the arm leaves of the
-        torque."""
+        torque, and no less than all of that beside it, for friction and rotors may have taken the load's part."""
         load = np.where(self.rows.moving, self.rows.load, 0.0)
         square = max(float(load @ load), 1e-300)
         part = np.bincount(np.concatenate(self.rows.torques.block), load * self.rows.left)
-        return float(np.hypot(part.sum(), self._quantile * np.sqrt(np.sum(part**2)))) / square
+        seen = float(np.hypot(part.sum(), self._quantile * np.sqrt(np.sum(part**2)))) / square
+        return max(seen, self.rows.unsure * float(np.sqrt(self.rows.moving.sum() / square)))
 
     def cause(self, tried: _Set, place: int) -> Cause:
         """An effect of a set as a cause."""
