@@ -223,13 +223,16 @@ class _Fits:
         by_rows = np.sqrt(np.maximum(np.diagonal(inverse), 0.0) * np.mean(left**2))
         spread = np.maximum(by_blocks, by_rows) / unit
         half = self._quantile * np.append(spread[:count], spread[-1])
+        moved = tried.columns[:, :count] @ tried.sizes[:count]
+        # Patterns from filters, clocks and forms are known no better than this, two standard deviations of it.
+        least = HALF * self.rules.motion.filters
+        half[-1] = np.hypot(half[-1], least * float(np.linalg.norm(moved)) / max(float(np.linalg.norm(slopes)), 1e-300))
         for place, effect in enumerate(tried.effects):
             column = tried.columns[:, place]
             more = (self.rows.unit(effect, tried.late, 1.0 + _NUDGE) - column) / _NUDGE
             by_load = float(more @ column) / max(float(column @ column), 1e-300)
-            # Patterns from filters, clocks and forms are known no better than this, two standard deviations of it.
-            least = HALF * self.rules.motion.filters * tried.sizes[place]
-            half[place] = np.hypot(np.hypot(half[place], least), by_load * tried.sizes[place] * self._scale)
+            own = least * tried.sizes[place]
+            half[place] = np.hypot(np.hypot(half[place], own), by_load * tried.sizes[place] * self._scale)
         return half
 
     @cached_property
