@@ -91,7 +91,7 @@ NO_RULES = {
     "motion/causes/swinging.py": {"_POSTURES"},
     "motion/findings.py": {"_NOTHING"},  # rounding
     "motion/judged.py": {"_SETTLED", "_STEPS", "_WORSE"},
-    "motion/diagnosis.py": {"_ROTORS"},
+    "motion/diagnosis.py": {"_ALIKE", "_ROTORS"},  # one wave or two
     "motion/encoders/between.py": {
         "_EXACT",
         "_LONGEST",
@@ -123,7 +123,7 @@ NO_RULES = {
     },
     "motion/model/identify.py": {"_FOLDS", "_MOST_ROUNDS", "_ROUNDS", "_SETTLED"},
     "motion/model/noise.py": {"_PASSES"},
-    "motion/model/ripple.py": {"DRAWS", "_EACH"},
+    "motion/model/ripple.py": {"DRAWS", "_EACH", "_PERIODS", "_QUICK, _SLOW"},  # parts of the low-pass
     "motion/model/search.py": {"_MOST", "_MOST_FOR_ONE", "_PROMISING"},  # how far a search looks
     "motion/preparation.py": {
         "STRETCH",
