@@ -11,10 +11,11 @@ import numpy as np
 from scipy.spatial.transform import Rotation
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
-from linkwright.core.diagnose.instruments.instrument import Instrument
+from linkwright.core.diagnose.instruments.instrument import Instrument, Slots
 from linkwright.core.diagnose.instruments.kind import Frame, InstrumentKind, Scene
 from linkwright.core.diagnose.instruments.observes import observed_by, read_instrument
-from linkwright.core.diagnose.instruments.registry import INSTRUMENTS, slots_of
+from linkwright.core.diagnose.instruments.registry import INSTRUMENTS, kind_at, slots_of
+from linkwright.core.diagnose.instruments.view import View
 from linkwright.core.diagnose.plan.simulate import Plan, simulate
 from linkwright.core.diagnose.residual.observe import observe
 from linkwright.core.diagnose.rules.rules import RULES
@@ -29,6 +30,9 @@ level about one axis, which tells how it sits about the others to first order on
 _STEP, _LINEAR, _SMALLEST = 1e-6, 1e-3, 1e-9
 """m or rad by which arms are moved, and the share by which what they show may be other than first order says; below
 the smallest it is rounding."""
+_UNIT = 30.0
+"""How far from 1 what 1 m or 1 rad shows may be, as a factor: grazing beams show some times more, millimetres (1000)
+and degrees (57) are other units."""
 
 
 def check_instrument(kind: InstrumentKind) -> None:
@@ -36,7 +40,7 @@ def check_instrument(kind: InstrumentKind) -> None:
 
     The entry: words, numbers, columns that no other kind has, settings that are written as they are read. Its numbers,
     on an arm in the plane and one in space: what it reads of an arm without noise leaves nothing; what moves the tip or
-    turns the tool shows as `shown` and `turning` say; what a file holds is what is read.
+    turns the tool shows as `shown` and `turning` say, in m and rad; what a file holds is what is read.
     """
     faults = [*_entry(kind)]
     # What the entry says wrongly makes no sense to try.
@@ -87,6 +91,7 @@ def _behaviour(kind: InstrumentKind, arm: Arm) -> Iterator[str]:
         yield f"leaves {left:.2g} of what it reads of a sound arm"
     if observed.view is None:
         return
+    yield from _units(made.slots, observed.view)
     touches = np.full(made.size, -1) if made.touches is None else made.touches
     axes = np.tile(np.eye(3), (made.size, 1, 1))
     random = np.random.default_rng(3)
@@ -96,6 +101,19 @@ def _behaviour(kind: InstrumentKind, arm: Arm) -> Iterator[str]:
         False, np.zeros(made.slots.shape, dtype=bool), arm.planar(), RULES.residual,
     )  # fmt: skip
     yield from _slopes(kind, scene, random)
+
+
+def _units(slots: Slots, view: View) -> Iterator[str]:
+    """Numbers that 1 mm of the tip and 1 mrad of what the instrument stands on change by far more or less than that."""
+    for slot in np.unique(slots[slots >= 0]).tolist():
+        number, marked = kind_at(slot)[1], slots == slot
+        moved, turned = (float(np.median(np.linalg.norm(item[marked], axis=1))) for item in (view.shown, view.turned))
+        # What turns shows in a length by levers of any length, so it counts only where no displacement shows.
+        size = moved if moved > 0.0 and number.quantity == "length" else max(moved, turned)
+        if not 1.0 / _UNIT <= size <= _UNIT:
+            by = "1 mm at the tip" if size == moved else "a turn of 1 mrad"
+            unit = "mm" if number.quantity == "length" else "mrad"
+            yield f"`{number.name}` changes by {size:.4g} {unit} with {by}; readings are in SI (m; of angles the sine)"
 
 
 def _slopes(kind: InstrumentKind, scene: Scene, random: np.random.Generator) -> Iterator[str]:

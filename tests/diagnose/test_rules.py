@@ -78,7 +78,8 @@ NO_RULES = {
     "fitting/terms.py": {"DIFFERENCE"},
     "fitting/loads/by_drives.py": {"CARRIED, PUSHED", "LEVEL", "_ROUNDING", "_TURNS, _SETTLED"},
     "fitting/thresholds.py": {"_ALIKE", "_AT_ONCE", "_REACH", "_LOOKED_AT", "_FURTHEST"},  # how a staircase is searched
-    "steps/instrument_contract.py": {"_POSES", "_EXACT", "_STEP, _LINEAR, _SMALLEST"},  # what is asked of instruments
+    # what is asked of instruments
+    "steps/instrument_contract.py": {"_POSES", "_EXACT", "_STEP, _LINEAR, _SMALLEST", "_UNIT"},
     "instruments/camera.py": {"_STEPS, _FOUND", "_LONGEST", "_EXACT"},
     "instruments/kinds/draw_wire.py": {"_ZERO"},  # what is simulated
     "instruments/kinds/laser_line.py": {"_GRAZING", "_NOWHERE", "_OFF, _ASKEW", "_STEPS"},

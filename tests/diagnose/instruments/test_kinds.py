@@ -88,6 +88,45 @@ class NotAsModelled(Squared):
         return stood.tips[:, :1]
 
 
+class _InMillimetres(_Part):
+    def model(self, state, at, frame: Frame) -> Modelled:
+        del state, frame
+        return Modelled.of_place(1e3 * at[:, :1], np.broadcast_to([[[1e3, 0.0, 0.0]]], (len(at), 1, 3)))
+
+
+class InMillimetres(Squared):
+    """x in mm, in the model as in the readings."""
+
+    def part(self, first, scene):
+        return _InMillimetres(self, first, scene)
+
+    def simulated(self, stood, instrument, random):
+        del instrument, random
+        return 1e3 * stood.tips[:, :1]
+
+
+class _InDegrees(_Part):
+    def model(self, state, at, frame: Frame) -> Modelled:
+        del state, frame
+        axes = self.scene.directions[:, :, 0]
+        turning = np.cross(axes, [0.0, 1.0, 0.0])
+        return Modelled(np.degrees(axes[:, 1:2]), np.zeros((len(at), 1, 3)), np.degrees(turning)[:, None, :])
+
+
+class InDegrees(Squared):
+    """How far the last link's x turns towards y, in degrees."""
+
+    numbers = (Number("heading", "heading", "angle"),)
+    turns_with = "tool"
+
+    def part(self, first, scene):
+        return _InDegrees(self, first, scene)
+
+    def simulated(self, stood, instrument, random):
+        del instrument, random
+        return np.degrees(stood.axes[:, 1:2, 0])
+
+
 class Untitled(Squared):
     title = ""
 
@@ -131,6 +170,8 @@ BROKEN = {
     OfAnotherSlope: "`shown` is not",
     OfAnotherUnit: "does not read what it writes",
     NotAsModelled: "of what it reads of a sound arm",
+    InMillimetres: "`squared` changes by 1000 mm with 1 mm at the tip; readings are in SI",
+    InDegrees: "`heading` changes by .* mrad with a turn of 1 mrad; readings are in SI",
     Untitled: "has no title",
     Unwritten: "without a column",
     TwiceWritten: "column of another kind",
