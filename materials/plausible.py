@@ -34,8 +34,14 @@ Modulus of diamond: Klein and Cardinale, Diamond and Related Materials 2 (1993) 
 density of osmium: Crabtree, Platinum Metals Review 39 (1995) 164. The others are round figures, judged: they question,
 and forbid nothing.
 """
-_STIFFEST_FOR_ITS_WEIGHT = 5e8
+_SPECIFIC_MODULUS = 5e8
 """m^2/s^2; diamond, at 1143 GPa and 3515 kg/m^3, has 3.3e8."""
+_DENSE, _SPECIFIC_MODULUS_OF_DENSE = 6000.0, 6e7
+"""kg/m^3 and m^2/s^2: tungsten carbide, at 700 GPa and 15630 kg/m^3, has 4.5e7, chromium 3.9e7, steel 2.6e7."""
+_SPECIFIC_MODULUS_OF = MappingProxyType(
+    {"steel": (1.6e7, 4e7), "stainless": (1.6e7, 4e7), "aluminium": (1.6e7, 4e7), "titanium": (1.6e7, 4e7)}
+)
+"""m^2/s^2 by family; all their alloys lie about 2.5e7."""
 
 
 def doubts_of(material: Material) -> tuple[str, ...]:
@@ -46,10 +52,21 @@ def doubts_of(material: Material) -> tuple[str, ...]:
             written = format_quantity(value, property_kinds()[name], digits=4)
             doubts.append(f"{material.name}: {name} {written} is hardly believable ({measure}); is its unit right?")
     if not doubts and material.has("elastic_modulus") and material.has("density"):
-        ratio = material.need("elastic_modulus") / material.need("density")
-        if ratio > _STIFFEST_FOR_ITS_WEIGHT:
+        density = material.need("density")
+        ratio = material.need("elastic_modulus") / density
+        low, high, measure = _specific_modulus(material.family, density)
+        if not low <= ratio <= high:
             doubts.append(
-                f"{material.name}: E / density of {1e-6 * ratio:.4g} MN*m/kg is hardly believable (diamond, the "
-                "stiffest for its weight, has 325); are their units right?"
+                f"{material.name}: E / density of {1e-6 * ratio:.4g} MN*m/kg is hardly believable ({measure}); are "
+                "their units right?"
             )
     return tuple(doubts)
+
+
+def _specific_modulus(family: str, density: float) -> tuple[float, float, str]:
+    """Lowest and highest E / density (m^2/s^2), and what it is measured by."""
+    if family in _SPECIFIC_MODULUS_OF:
+        return *_SPECIFIC_MODULUS_OF[family], "steel, aluminium and titanium have 24 to 27"
+    if density > _DENSE:
+        return 0.0, _SPECIFIC_MODULUS_OF_DENSE, "steel has 26, of what is as dense tungsten carbide most, 45"
+    return 0.0, _SPECIFIC_MODULUS, "diamond, the stiffest for its weight, has 325"

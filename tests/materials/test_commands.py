@@ -189,10 +189,14 @@ def test_several_keys_are_one_edit(materials, tmp_path):
         (("elastic_modulus=80 GPa", "density=3 kg/m^3"), "density 3 kg/m^3"),
         (("elastic_modulus=800 GPa", "density=300 kg/m^3"), "E / density of 2667 MN*m/kg"),
         (("elastic_modulus=1143 GPa", "density=3515 kg/m^3"), ""),
+        (("elastic_modulus=2070 GPa", "density=7850 kg/m^3"), "elastic_modulus 2070 GPa"),
+        (("elastic_modulus=700 GPa", "density=7850 kg/m^3"), "E / density of 89.17 MN*m/kg"),
+        (("elastic_modulus=700 GPa", "density=15630 kg/m^3"), ""),
+        (("elastic_modulus=7.1 GPa", "density=2700 kg/m^3", "family=aluminium"), "E / density of 2.63 MN*m/kg"),
     ],
 )
 def test_what_is_hardly_believable_is_taken_and_questioned(materials, tmp_path, values, doubted):
-    """Diamond is the stiffest there is, and stiffest for its weight."""
+    """Diamond is the stiffest there is, and stiffest for its weight; of dense solids tungsten carbide is."""
     own = ("--catalogue", tmp_path / "own.yaml")
     for asked in (("add", "odd", *values, "--source", "s", *own), ("check", *own)):
         status, out, err = materials(*asked)
