@@ -25,6 +25,7 @@ from linkwright.core.sections import (
 )
 from linkwright.core.sections.contract import check_shape
 from linkwright.core.sections.formulas.by_ratios import figures_by_ratios
+from linkwright.core.sections.wall import WallKind
 from linkwright.core.units.quantities import InputError
 
 FIXED = {
@@ -94,6 +95,46 @@ class Beside(HexagonalTube):
         return (Wall("web", "the web", "internal", 0.05, 0.002, ((0.05, 0.02), (0.05, 0.03))),)
 
 
+class Strong(HexagonalTube):
+    """Its bending stress is half of what it is."""
+
+    def properties(self, poisson_ratio: Number) -> SectionProperties:
+        right = super().properties(poisson_ratio)
+        return dataclasses.replace(right, section_modulus_y=2.0 * right.section_modulus_y)
+
+
+class Twisted(HexagonalTube):
+    """Its stress of torsion is half of what it is."""
+
+    def properties(self, poisson_ratio: Number) -> SectionProperties:
+        right = super().properties(poisson_ratio)
+        return dataclasses.replace(right, torsion_modulus=2.0 * right.torsion_modulus)
+
+
+class Stout(HexagonalTube):
+    """Its walls are twice as thick as drawn."""
+
+    def wall_parts(self, web: WallKind) -> tuple[Wall, ...]:
+        walls = super().wall_parts(web) or ()
+        return tuple(dataclasses.replace(wall, thickness=2.0 * wall.thickness) for wall in walls)
+
+
+class Narrow(HexagonalTube):
+    """Its walls are half as wide as drawn."""
+
+    def wall_parts(self, web: WallKind) -> tuple[Wall, ...]:
+        walls = super().wall_parts(web) or ()
+        return tuple(dataclasses.replace(wall, width=0.5 * wall.width) for wall in walls)
+
+
+class Roomy(HexagonalTube):
+    """Its bore is its outer size."""
+
+    @property
+    def inner_diameter(self) -> Number:
+        return self.height
+
+
 class Stiff(HexagonalTube):
     """It knows numbers alone."""
 
@@ -114,6 +155,11 @@ def test_every_shape_keeps_it(name: str) -> None:
         (Shifted, "outline is not about the centroid"),
         (Cubed, "second_moment_y does not grow with power 4"),
         (Beside, "the middle of its wall 'web' does not lie in the material"),
+        (Strong, "section_modulus_y of"),
+        (Twisted, "torsion_modulus of"),
+        (Stout, "its wall 'wall' is .* mm thick where its outline has"),
+        (Narrow, "its wall 'wall' is .* mm wide and its ends are"),
+        (Roomy, "its inner diameter is .* mm where its outline has"),
         (Stiff, "area by symbols is not that by numbers"),
     ],
 )
