@@ -22,7 +22,7 @@ from .instruments.registry import kind_at
 
 @dataclass(frozen=True)
 class RejectedRow:
-    """A row set aside: its number in the file (the first reading is row 1) and why, for people; `off` is how far its
+    """A row set aside: its number in the file (`Table.row`) and why, for people; `off` is how far its
     tip lies off what is known of the arm, m, where a model says."""
 
     row: int
@@ -52,9 +52,9 @@ class Recording:
     (N, n) K, absolute; `velocity` (N, n) rad/s or m/s; `acceleration` (N, n); `last_moves` (N, n) how far each joint
     had gone since the reading before, be that set aside or not; `commanded` (N, n) and `joint_side` (N, n) like q;
     `torque` (N, n) N*m; `force` (N, 3) N and `moment` (N, 3) N*m at the tip in the base frame; `base_target` (N, 3) m.
-    `row` (N,) is each reading's number in the file, from 1. `sigma` (m, for each component) is declared, `frame` and
-    `tool` say what is a nuisance, and so does `seat` of how the target is turned on the tool (unused: orientations are
-    left alone); `other` holds further numeric columns as they are, by name. `warnings` are sentences
+    `row` (N,) is each reading's number in the file (`Table.row`). `sigma` (m, for each component) is declared, `frame`
+    and `tool` say what is a nuisance, and so does `seat` of how the target is turned on the tool (unused: orientations
+    are left alone); `other` holds further numeric columns as they are, by name. `warnings` are sentences
     for the report. `settings` is the recording.yaml that was used. `unit` says which arm of a type it is of (a serial
     number), `date` when it was made (`2026-05-16`), `branch` whose tip was measured of several arms on one torso, empty
     where nobody said. `started` is what the file's clock showed at the first reading, s; `earlier` what the arm had

@@ -71,4 +71,4 @@ def joined(machine: str, paths: list[Path], folder: Path) -> tuple[Recording, np
     pd.concat([table[common] for table in tables]).to_csv(whole, index=False)
     recording = read(machine, whole)
     ends = np.cumsum([len(table) for table in tables])
-    return recording, np.searchsorted(ends, recording.row, side="left")
+    return recording, np.searchsorted(ends, recording.row - 1, side="left")  # row 1 is the header

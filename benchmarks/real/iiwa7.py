@@ -88,7 +88,7 @@ def left_out(payload: float) -> Foretold:
         for half in (0, 1):
             seen = np.arange(count) % 2 == half
             recording = recorded([*others, run(payload, seen)], folder)
-            row = recording.row - 1 - sum(len(item) for item in others)
+            row = recording.row - 2 - sum(len(item) for item in others)  # row 1 is the header
             here = np.where(row < 0, 0, np.where(seen[np.maximum(row, 0)], 1, 2))
             for kind, arm in (("nominal", nominal(IIWA7)), ("written", corrected), ("geometry", nominal(IIWA7))):
                 observed = observe(arm, replace(recording, orientation=None))

@@ -32,7 +32,7 @@ def learned(how: str, rows: int = LEARNED) -> Learned:
     """Diagnose the first rows by a mapping of the recording; write the corrected arm, read it, try it on the rest."""
     arm = nominal(IRB120)
     recording = read(IRB120, recording_file(IRB120, "recording_both_angles.csv"), how)
-    first = recording.row <= rows
+    first = recording.row <= 1 + rows  # row 1 is the header
     result = diagnose(arm, recording.kept(first))
     return Learned(result, predict(written(result), recording.kept(~first)))
 
@@ -41,7 +41,7 @@ def each_left_out(how: str, diagnosis: Diagnosis, tell: Callable[[str], None] = 
     """Print what the findings in the first rows leave of the others, frame and tool fitted there: all of them, and all
     but each in turn, fitted to the first rows anew."""
     observed = observe(nominal(IRB120), read(IRB120, recording_file(IRB120, "recording_both_angles.csv"), how))
-    residual, first = observed.residual[:, :3], observed.recording.row <= LEARNED
+    residual, first = observed.residual[:, :3], observed.recording.row <= 1 + LEARNED
     everything = [loose(observed), *found(observed, diagnosis)]
 
     def left(places: Sequence[int]) -> float:

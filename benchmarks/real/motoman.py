@@ -62,7 +62,7 @@ class Day:
     @property
     def cells(self) -> splits.Folds:
         """The grid's cell of each reading: seven neighbouring poses."""
-        return (self.recording.row - 1) // _IN_A_CELL
+        return (self.recording.row - 2) // _IN_A_CELL  # row 1 is the header
 
     def folds(self, seed: int) -> splits.Folds:
         """Five folds of whole cells."""

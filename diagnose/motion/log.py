@@ -41,7 +41,7 @@ class MotionLog:
         q: (N, n) joint coordinates as the arm file counts them, rad (m for slides).
         torque: (N, n) N*m (N for slides) at the joint, positive where it pushes towards increasing q; nan where a drive
             was not logged. Of currents and voltages: times torque constant (times gear ratio where it is of the motor).
-        row: (N,) each sample's number in the file, from 1.
+        row: (N,) each sample's number in the file (`Table.row`).
         velocity: (N, n) as logged, rad/s (m/s); None where it was not.
         commanded: (N, n) commanded coordinates, None alike.
         joint_side: (N, n) coordinates of a second encoder, None alike.

@@ -159,7 +159,9 @@ def _checked(
         path = Path(folder) / "plan.csv"
         path.write_text(plan_text(made, arm, axes, torques=bool(request.torque_noise)), encoding="utf-8")
         read = as_read(read_plan(path, arm, rules=request.rules), arm, request)
-        read = replace(read, file="", frame=request.frame, tool=request.tool)
+        # The visits are numbered through, whatever lines stand above them.
+        numbers = np.arange(1, read.size + 1)
+        read = replace(read, file="", row=numbers, frame=request.frame, tool=request.tool)
     promise = promised(arm, read if after is None else going_on(after, read, arm, request.rules), axes, request)
     # Each recording's torques are looked at by themselves.
     return read, replace(promise, torques=promised_by_torques(arm, read, request))

@@ -146,8 +146,7 @@ def _labelled(recording: Recording, table: Table, arm: Arm) -> Recording:
     for kind, name in labels().items():
         if name not in table.columns:
             continue
-        cells = [table.text(name, row) for row in range(len(table.row))]
-        cells = [cells[int(row) - 1] for row in recording.row]
+        cells = [table.text(name, index) for index in np.searchsorted(table.row, recording.row).tolist()]
         if all(cells):
             names = tuple(dict.fromkeys(cells))
             which = np.array([names.index(text) for text in cells], dtype=np.int64)
@@ -165,7 +164,7 @@ def _along_bars(table: Table, recording: Recording, arm: Arm) -> Array:
             if meaning is None:
                 continue
             values = measurable(table.numbers(header) * meaning.factor + meaning.offset)
-            return values[recording.row - 1]
+            return values[np.searchsorted(table.row, recording.row)]
     raise InputError(table.file, "bar_mm", "is missing: where along its bar each visit touches, e.g. 0 and 500")
 
 

@@ -36,8 +36,8 @@ def unlike(meant: Recording, back: Recording, arm: Arm, *, without: Collection[s
             continue
         near = np.abs(read[name] - values) <= _ROUNDED * 10.0**-digits + _LARGE * np.abs(values)
         if len(bad := np.flatnonzero(~(near | (np.isnan(values) & np.isnan(read[name]))))):
-            row = int(bad[0])
-            yield f"{name} in row {row + 1} was {values[row]:.9g} and reads {read[name][row]:.9g}"
+            k = int(bad[0])
+            yield f"{name} in row {back.row[k]} was {values[k]:.9g} and reads {read[name][k]:.9g}"
     labels = dict(label_columns(back))
     asked = ((name, item) for name, item in label_columns(meant) if name not in without)
     yield from (f"{name} names other places" for name, item in asked if labels.get(name) != item)

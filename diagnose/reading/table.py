@@ -11,7 +11,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, replace
-from itertools import chain, islice
+from itertools import chain
 from pathlib import Path
 from types import MappingProxyType
 
@@ -83,7 +83,8 @@ class Layout:
 
 @dataclass(frozen=True)
 class Table:
-    """Columns by name, text or numbers; `row` is each row's number in the file, the first reading being row 1.
+    """Columns by name, text or numbers; `row` is each row's number in the file: of text the line and of workbooks the
+    row that an editor shows, of other files counted from 1.
 
     `ragged` names the rows that do not have a cell for each column; they are not among the others.
     """
@@ -209,39 +210,49 @@ def text_table(path: Path, layout: Layout, text: str) -> Table:
     if not first:
         raise InputError(path, "", "is empty; it needs a header (time_s, q1_deg, .., x_mm, y_mm) and a row a reading")
     separator = layout.separator or named or _separator(first)
-    rows = _rows(path, kept, separator)
+    rows, lines = _rows(path, kept, separator)
     decimal = layout.decimal or ("," if _decimal_commas(rows[1:]) else ".")
     if decimal == "," and not layout.decimal:
         notes.append("Numbers have decimal commas.")
     header, body, more = _headed(path, rows, layout, decimal)
     if titles:
-        head, begins = (_line_of(text, layout, number) for number in (1, 1 + len(rows) - len(body)))
-        notes.insert(
-            0, f"The header stands in line {head}. Lines above the header are not used. Row 1 is line {begins}."
-        )
+        notes.insert(0, f"The header stands in line {lines[0]}. Lines above the header are not used.")
+    lines = lines[len(rows) - len(body) :]
     header, body = _trimmed(header, body)
     good = [index for index, cells in enumerate(body) if len(cells) == len(header)]
     if not good:
-        raise InputError(path, "", _no_row(header, body[0], separator, layout))
+        raise InputError(path, "", _no_row(header, body[0], lines[0], separator, layout))
     columns = {name: tuple(body[index][k] for index in good) for k, name in enumerate(header) if name}
     nameless = (f"Column {k} of {path.name} has no name and is not used." for k, n in enumerate(header, 1) if not n)
     return Table(
         str(path),
         MappingProxyType(columns),
-        np.array(good, dtype=np.int64) + 1,
+        np.array(lines, dtype=np.int64)[good],
         decimal,
-        tuple(_ragged(header, body)),
+        tuple(_ragged(header, body, lines)),
         (*notes, *more, *nameless),
     )
 
 
-def _rows(path: Path, lines: Iterator[str], separator: str) -> list[list[str]]:
-    """The cells of each line; those that blanks part have none that is empty."""
+def _rows(path: Path, lines: Iterator[tuple[int, str]], separator: str) -> tuple[list[list[str]], list[int]]:
+    """The cells of each row, those that blanks part without any that is empty, and the line in which each begins."""
+    numbers, rows, begins = list[int](), list[list[str]](), list[int]()
+
+    def text() -> Iterator[str]:
+        for number, line in lines:
+            numbers.append(number)
+            yield line
+
+    reader = csv.reader(text(), delimiter=separator, skipinitialspace=True, strict=True)
+    read = 0
     try:
-        rows = list(csv.reader(lines, delimiter=separator, skipinitialspace=True, strict=True))
+        for cells in reader:
+            rows.append([cell for cell in cells if cell] if separator == " " else cells)
+            begins.append(numbers[read])
+            read = reader.line_num  # a quoted cell may go over several lines
     except csv.Error as error:
         raise InputError(path, "", f"is no table: {error}") from None
-    return [[cell for cell in cells if cell] for cells in rows] if separator == " " else rows
+    return rows, begins
 
 
 def _headed(
@@ -271,16 +282,16 @@ def _trimmed(header: list[str], body: list[list[str]]) -> tuple[list[str], list[
     return header, body
 
 
-def _ragged(header: Sequence[str], body: Sequence[Sequence[str]]) -> Iterator[RejectedRow]:
+def _ragged(header: Sequence[str], body: Sequence[Sequence[str]], lines: Sequence[int]) -> Iterator[RejectedRow]:
     """The rows that have not as many cells as the header."""
-    for number, cells in enumerate(body, start=1):
+    for number, cells in zip(lines, body, strict=True):
         if len(cells) != len(header):
             yield RejectedRow(number, f"has {len(cells)} cells where the header has {len(header)}")
 
 
-def _no_row(header: Sequence[str], first: Sequence[str], separator: str, layout: Layout) -> str:
+def _no_row(header: Sequence[str], first: Sequence[str], line: int, separator: str, layout: Layout) -> str:
     """That no row has as many cells as the header, and what may be the cause."""
-    message = f"no row has the {len(header)} cells of the header; row 1 has {len(first)}"
+    message = f"no row has the {len(header)} cells of the header; row {line} has {len(first)}"
     if separator == "," and len(first) >= 2 * len(header) - 1 > 1:
         return f"{message}; decimal commas cannot stand in a table parted by commas: part it by semicolons"
     if len(first) > len(header) and not layout.names:
@@ -361,31 +372,25 @@ def _passed_over(line: str, layout: Layout) -> bool:
     return comment or re.fullmatch(r'"?sep=(.)"?\s*', line) is not None
 
 
-def _lines(path: Path, text: str, layout: Layout) -> tuple[Iterator[str], str, str | None]:
-    """The lines that count, the first of them, and the separator where Excel names it (`sep=;`)."""
-    lines = (item[0] for item in _LINE.finditer(text))
+def _lines(path: Path, text: str, layout: Layout) -> tuple[Iterator[tuple[int, str]], str, str | None]:
+    """The lines that count with their numbers (from 1), the first of them, and the separator where Excel names it
+    (`sep=;`)."""
+    lines = enumerate((item[0] for item in _LINE.finditer(text)), start=1)
     for done in range(layout.skip_rows):
         if next(lines, None) is None:
             raise InputError(path, "skip_rows", f"is {shown(layout.skip_rows)}, but the file has {done} lines")
     counting = (
-        line.lstrip(" ")
-        for line in lines
+        (number, line.lstrip(" "))
+        for number, line in lines
         if line.strip() and not (layout.comment and line.lstrip().startswith(layout.comment))
     )
     separator = None
-    for line in counting:
+    for number, line in counting:
         if named := re.fullmatch(r'"?sep=(.)"?\s*', line):
             separator = named[1]
         else:
-            return chain([line], counting), line, separator
+            return chain([(number, line)], counting), line, separator
     return counting, "", separator
-
-
-def _line_of(text: str, layout: Layout, number: int) -> int:
-    """Where (from 1) the line stands that is the `number`th of those that count, as an editor shows it."""
-    lines = enumerate((item[0] for item in _LINE.finditer(text)), start=1)
-    there = (k for k, line in lines if k > layout.skip_rows and line.strip() and not _passed_over(line, layout))
-    return next(islice(there, number - 1, None))
 
 
 def _separator(header: str) -> str:

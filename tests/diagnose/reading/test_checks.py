@@ -55,7 +55,7 @@ def test_a_stuck_joint(tmp_path: Path) -> None:
     result = read(tmp_path, q, tip)
     rows = rejected(result, "q2_deg stands still")
     # In a few of the 20 poses the joint was near where it stuck; no row outside may be named.
-    assert set(rows) <= set(range(41, 61))
+    assert set(rows) <= set(range(42, 62))
     assert len(rows) >= 17
     assert len(result.rejected) == len(rows)
     assert result.size == COUNT - len(rows)
@@ -125,9 +125,9 @@ def test_rows_in_another_unit(tmp_path: Path) -> None:
     tip[50] *= 1e3
     q[80:82] = np.radians(q[80:82])
     result = read(tmp_path, q, tip)
-    assert rejected(result, "x_mm, y_mm seem to be in m") == [11, 12, 13]
-    assert rejected(result, "x_mm, y_mm seem to be in um") == [51]
-    assert rejected(result, "seem to be in rad") == [81, 82]
+    assert rejected(result, "x_mm, y_mm seem to be in m") == [12, 13, 14]
+    assert rejected(result, "x_mm, y_mm seem to be in um") == [52]
+    assert rejected(result, "seem to be in rad") == [82, 83]
     assert len(result.rejected) == 6
 
 
@@ -140,8 +140,8 @@ def test_jumps(tmp_path_factory: pytest.TempPathFactory, rows: set[int], seed: i
         angle = random.uniform(0.0, 2.0) + math.pi * (row % 2)  # neighbours that agree by chance would be no jumps
         tip[row] += random.uniform(0.02, 0.5) * np.array([math.cos(angle), math.sin(angle)])
     result = read(tmp_path_factory.mktemp("jumps"), q, tip)
-    lasting = {int(row) for row in result.row} & {row + 1 for row in rows}
-    assert {item.row for item in result.rejected} | lasting == {row + 1 for row in rows}
+    lasting = {int(row) for row in result.row} & {row + 2 for row in rows}
+    assert {item.row for item in result.rejected} | lasting == {row + 2 for row in rows}
     # Only four or more in a row are something else than jumps.
     longest = max(len(run) for run in np.split(sorted(rows), np.flatnonzero(np.diff(sorted(rows)) > 1) + 1))
     assert not lasting or longest > 3
@@ -162,10 +162,10 @@ def test_rows_pasted_in_again_count_once(tmp_path: Path, timed: bool) -> None:
     order = np.concatenate([np.arange(20), np.arange(60, 63), np.arange(20, COUNT), np.arange(50, 60)])
     time = {"time_s": 20.0 * order} if timed else {}
     result = read(tmp_path, q[order], tip[order], **time)
-    # Rows 21 to 23 come first in the file; what stands where it was measured is then their copy.
-    expected = [*range(64, 67), *range(124, 134)]
+    # Rows 22 to 24 come first in the file; what stands where it was measured is then their copy.
+    expected = [*range(65, 68), *range(125, 135)]
     assert [item.row for item in result.rejected if "stands in the file already" in item.reason] == expected
-    assert rejected(result, "stands in the file already, as row 21") == [64]
+    assert rejected(result, "stands in the file already, as row 22") == [65]
     assert result.size == COUNT
 
 
@@ -183,8 +183,8 @@ def test_copies_of_a_row(tmp_path: Path) -> None:
     q, tip = clean()
     q, tip = np.insert(q, [20, 70], q[[19, 69]], axis=0), np.insert(tip, [20, 70], tip[[19, 69]], axis=0)
     result = read(tmp_path, q, tip)
-    assert rejected(result, "repeats row 20 to the last digit") == [21]
-    assert rejected(result, "repeats row 71 to the last digit") == [72]
+    assert rejected(result, "repeats row 21 to the last digit") == [22]
+    assert rejected(result, "repeats row 72 to the last digit") == [73]
     assert len(result.rejected) == 2
 
 
@@ -205,7 +205,7 @@ def test_a_tracker_that_froze(tmp_path: Path) -> None:
     q, tip = clean()
     tip[60:64] = tip[59]
     result = read(tmp_path, q, tip)
-    assert rejected(result, "the tip is that of row 60") == [61, 62, 63, 64]
+    assert rejected(result, "the tip is that of row 61") == [62, 63, 64, 65]
     assert len(result.rejected) == 4
 
 
@@ -214,7 +214,7 @@ def test_time_that_goes_back_in_a_row(tmp_path: Path) -> None:
     time = 5.0 * np.arange(COUNT)
     time[33] = 2.0
     result = read(tmp_path, q, tip, time_s=time)
-    assert rejected(result, "time_s runs backwards") == [34]
+    assert rejected(result, "time_s runs backwards") == [35]
     assert result.time is not None
     assert (np.diff(result.time) > 0.0).all()
 
@@ -223,7 +223,7 @@ def test_a_clock_that_was_set_back(tmp_path: Path) -> None:
     q, tip = clean()
     result = read(tmp_path, q, tip, time_s=np.r_[np.arange(70.0), np.arange(50.0)])
     assert (result.rejected, result.time) == ((), None)
-    assert any("time_s starts again in row 71" in sentence for sentence in result.warnings)
+    assert any("time_s starts again in row 72" in sentence for sentence in result.warnings)
 
 
 def test_rows_in_another_order_than_time(tmp_path: Path) -> None:
@@ -239,7 +239,7 @@ def test_sides_that_are_none(tmp_path: Path) -> None:
     q, tip = clean()
     sides = np.where(np.arange(COUNT) % 2, 1.0, -1.0)
     sides[5] = 2.0
-    assert rejected(read(tmp_path, q, tip, dir2=sides), "dir2 is 2") == [6]
+    assert rejected(read(tmp_path, q, tip, dir2=sides), "dir2 is 2") == [7]
     with pytest.raises(InputError, match="dir2: holds 3"):
         read(tmp_path, q, tip, dir2=np.full(COUNT, 3.0))
 
@@ -251,14 +251,14 @@ def test_temperatures_that_cannot_be(tmp_path: Path) -> None:
         read(tmp_path, q, tip, temperature_degC=kelvin)
     celsius = kelvin - 273.15
     celsius[8] = -180.0
-    assert rejected(read(tmp_path, q, tip, temperature_degC=celsius), "temperature_degC says") == [9]
+    assert rejected(read(tmp_path, q, tip, temperature_degC=celsius), "temperature_degC says") == [10]
 
 
 def test_negative_payloads(tmp_path: Path) -> None:
     q, tip = clean()
     payload = np.tile([0.0, 5.0], COUNT // 2)
     payload[1] = -5.0
-    assert rejected(read(tmp_path, q, tip, payload_kg=payload), "negative") == [2]
+    assert rejected(read(tmp_path, q, tip, payload_kg=payload), "negative") == [3]
 
 
 def test_constant_columns_and_angles_beyond_their_range_are_said_and_kept(tmp_path: Path) -> None:
@@ -270,7 +270,7 @@ def test_constant_columns_and_angles_beyond_their_range_are_said_and_kept(tmp_pa
     text = " ".join(result.warnings)
     assert "q3_deg, payload_kg never change" in text
     assert "q1_deg is beyond the range" in text
-    assert "in row 8." in text
+    assert "in row 9." in text
 
 
 def test_another_frame_is_refused_and_a_free_one_read(tmp_path: Path) -> None:
@@ -314,7 +314,7 @@ def test_jumps_are_found_in_a_free_frame_in_space(tmp_path: Path) -> None:
     measured[[12, 77]] += 0.2
     (tmp_path / "recording.yaml").write_text("frame: free")
     result = read_recording(written(tmp_path / "r.csv", table(q, measured)), arm)
-    assert rejected(result, "jumps") == [13, 78]
+    assert rejected(result, "jumps") == [14, 79]
     assert len(result.rejected) == 2
 
 
@@ -324,7 +324,7 @@ def test_quaternions_have_length_one(tmp_path: Path) -> None:
     w[4] = 0.5
     zero = np.zeros(COUNT)
     result = read(tmp_path, q, tip, qw=w, qx=zero, qy=zero, qz=zero)
-    assert rejected(result, "length 0.5") == [5]
+    assert rejected(result, "length 0.5") == [6]
     with pytest.raises(InputError, match="no quaternions"):
         read(tmp_path, q, tip, qw=0.5 * np.ones(COUNT), qx=zero, qy=zero, qz=zero)
     with pytest.raises(InputError, match="rest of its quaternion"):

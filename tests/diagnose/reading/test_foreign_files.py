@@ -93,7 +93,7 @@ def test_thousands(tmp_path: Path, cell: str, decimal: str) -> None:
 
 def test_a_comma_that_parts_no_thousands_is_no_number(tmp_path: Path) -> None:
     result = read(tmp_path, text(";") + "1,5;0.0;700.0;0.0\n")
-    assert [item.row for item in result.rejected] == [31]
+    assert [item.row for item in result.rejected] == [32]
     assert "not a number" in result.rejected[0].reason
 
 

@@ -54,7 +54,7 @@ def test_blank_cells_here_and_there_cost_their_rows_as_ever(tmp_path):
     recording = _read(tmp_path, "frame: known", columns)
 
     assert recording.slots is None
-    assert [item.row for item in recording.rejected] == [6]
+    assert [item.row for item in recording.rejected] == [7]
 
 
 def test_rows_that_hold_different_things_are_readings_of_one_number_each(tmp_path):
@@ -66,8 +66,8 @@ def test_rows_that_hold_different_things_are_readings_of_one_number_each(tmp_pat
 
     assert recording.instrument.anchor == (0.5, -1.0, 0.0)
     assert recording.tip.shape == (36, 1)
-    assert sorted(set(recording.row[recording.slots[:, 0] == DISTANCE].tolist())) == list(range(2, 25, 2))
-    one = recording.row == 3
+    assert sorted(set(recording.row[recording.slots[:, 0] == DISTANCE].tolist())) == list(range(3, 26, 2))
+    one = recording.row == 4
     assert recording.slots[one, 0].tolist() == [0, 1]
     assert recording.tip[one, 0] == pytest.approx(TIP[2], abs=1e-9)
 
@@ -123,9 +123,9 @@ def _touching(label, text, rows=24):
 @pytest.mark.parametrize(
     ("kind", "columns", "words"),
     [
-        ("same_point", _touching("point", ["a"] * 23 + ["lonely"]), r"point: 'lonely' has 1 row only \(row 24\)"),
+        ("same_point", _touching("point", ["a"] * 23 + ["lonely"]), r"point: 'lonely' has 1 row only \(row 25\)"),
         ("plane", _touching("plane", ["a"] * 22 + ["b"] * 2), r"plane: 'b' has 2 rows only .*3 postures or more"),
-        ("[same_point, plane]", _touching("point", ["a"] * 24) | {"plane": ["b"] * 24}, "row 1 names a point and a"),
+        ("[same_point, plane]", _touching("point", ["a"] * 24) | {"plane": ["b"] * 24}, "row 2 names a point and a"),
     ],
 )
 def test_labels_that_tell_nothing(tmp_path, kind, columns, words):
@@ -172,7 +172,7 @@ def test_a_single_row_far_off_is_set_aside(tmp_path):
     far[4] += 0.05
     recording = _read(tmp_path, "observes: distance\nanchor: [500 mm, -1 m]", _only(distance_mm=1e3 * far))
 
-    assert [item.row for item in recording.rejected] == [5]
+    assert [item.row for item in recording.rejected] == [6]
 
 
 @pytest.mark.parametrize(
@@ -261,7 +261,7 @@ def test_ends_of_bars_are_read_and_written_again(tmp_path):
 @pytest.mark.parametrize(
     ("columns", "words"),
     [
-        (_bars(None, np.zeros(24)), r"bar_mm: '1' is touched at 0 mm only \(rows 1 to 2\): it tells no distance"),
+        (_bars(None, np.zeros(24)), r"bar_mm: '1' is touched at 0 mm only \(rows 2 to 3\): it tells no distance"),
         ({k: v for k, v in _bars(None, None).items() if k != "bar_mm"}, "bar_mm: is missing: where along its bar"),
         (_bars(["a"] * 23 + ["b"], None), "bar: 'b' has 1 row only"),
         (

@@ -32,7 +32,7 @@ def test_a_plain_file(tmp_path: Path) -> None:
     read = read_recording(written(tmp_path / "r.csv", table(Q, TIP)), ARM)
     assert read.q == pytest.approx(Q, abs=1e-8)
     assert read.tip == pytest.approx(TIP, abs=1e-9)
-    assert read.row.tolist() == list(range(1, 31))
+    assert read.row.tolist() == list(range(2, 32))
     assert (read.time, read.sides, read.payload_mass, read.sigma) == (None, None, None, None)
     assert (read.frame, read.tool, read.rejected, read.warnings) == ("known", "known", (), ())
 
@@ -136,12 +136,12 @@ def test_cells_without_a_number_cost_their_row(tmp_path: Path, cell: str, said: 
     columns = table(Q, TIP, payload_kg=np.full(30, 2.0))
     columns["q2_deg"][4] = columns["x_mm"][9] = columns["payload_kg"][29] = cell
     read = read_recording(written(tmp_path / "r.csv", columns), ARM)
-    assert [item.row for item in read.rejected] == [5, 10, 30]
+    assert [item.row for item in read.rejected] == [6, 11, 31]
     assert all(said in item.reason for item in read.rejected)
     for name, each in zip(("q2_deg", "x_mm", "payload_kg"), read.rejected, strict=True):
         assert name in each.reason
     assert read.size == 27
-    assert not {5, 10, 30} & set(read.row.tolist())
+    assert not {6, 11, 31} & set(read.row.tolist())
     assert np.isfinite(read.q).all()
 
 
@@ -152,7 +152,7 @@ def test_short_and_long_rows_are_named(tmp_path: Path) -> None:
     lines[7] += ",1,2"
     path.write_text("\n".join(lines))
     read = read_recording(path, ARM)
-    assert [item.row for item in read.rejected] == [3, 7]
+    assert [item.row for item in read.rejected] == [4, 8]
     assert "3 cells" in read.rejected[0].reason
     assert read.q[2] == pytest.approx(Q[3], abs=1e-8)
 
@@ -224,8 +224,8 @@ def test_conditions_that_nobody_knows_are_none(tmp_path: Path) -> None:
 
 def test_a_row_set_aside_was_still_the_reading_before(tmp_path: Path) -> None:
     recording = read_recording(written(tmp_path / "r.csv", table(Q, TIP)), ARM)
-    fewer = recording.without([RejectedRow(4, "a test")])
-    assert fewer.row.tolist()[2:4] == [3, 5]
+    fewer = recording.without([RejectedRow(5, "a test")])
+    assert fewer.row.tolist()[2:4] == [4, 6]
     assert fewer.last_moves is not None
     assert fewer.last_moves[3] == pytest.approx(Q[4] - Q[3], abs=1e-6)
 
@@ -256,7 +256,7 @@ def test_a_foreign_file(tmp_path: Path) -> None:
     assert read.tip == pytest.approx(TIP[10:], abs=1e-8)
     assert read.time is not None
     assert read.time == pytest.approx(np.arange(20.0))
-    assert read.row.tolist() == list(range(11, 31))
+    assert read.row.tolist() == list(range(14, 34))
     assert (read.sigma, read.frame, read.tool) == (pytest.approx(15e-6), "free", "free")
     assert any("20 of 30 rows" in sentence for sentence in read.warnings)
     assert read.settings == str(tmp_path / "log.yaml")
@@ -288,7 +288,7 @@ def test_a_formula_that_cannot_be_computed_costs_its_row(tmp_path: Path) -> None
     columns = table(Q, TIP) | {"u": ["1"] * 12 + ["0"] + ["1"] * 17}
     (tmp_path / "recording.yaml").write_text("columns: {payload_kg: 1/u}")
     read = read_recording(written(tmp_path / "r.csv", columns), ARM)
-    assert [item.row for item in read.rejected] == [13]
+    assert [item.row for item in read.rejected] == [14]
     assert "1/u" in read.rejected[0].reason
 
 

@@ -75,10 +75,10 @@ def test_rows_are_numbered_by_file(tmp_path):
     result = lw.diagnose(_face(), files)
     data = result._content()
     assert data["rejected_rows_detail"][0]["recording"] == "august.csv"
-    assert data["rejected_rows_detail"][0]["row"] == 11
-    assert [item["rejected_rows"] for item in data["recordings"]] == [[], [11]]
+    assert data["rejected_rows_detail"][0]["row"] == 12
+    assert [item["rejected_rows"] for item in data["recordings"]] == [[], [12]]
     rows = result.residuals.groupby("recording")["row"].agg(["min", "max"])
-    assert rows.loc["august.csv"].tolist() == [1, second.size]
+    assert rows.loc["august.csv"].tolist() == [2, second.size + 1]
 
 
 @pytest.mark.parametrize(

@@ -122,7 +122,7 @@ def test_a_recording_is_read_back_to_its_last_digit(tmp_path: Path, monkeypatch:
     back = lw.read_recording(tmp_path / "rec.csv", WELDING / "arm.yaml")
     np.testing.assert_allclose(back.found.tip, made.found.tip, rtol=0.0, atol=0.51e-8)
     altered("linkwright.face.recording", "recording_text", _last_digit_up, monkeypatch)
-    with pytest.raises(NotAsWritten, match=r"rec\.csv: is written, but .*y_mm in row 1 was"):
+    with pytest.raises(NotAsWritten, match=r"rec\.csv: is written, but .*y_mm in row 2 was"):
         made.save(tmp_path / "rec.csv")
 
 

@@ -204,19 +204,19 @@ def test_a_log_with_faults_keeps_the_rest_and_says_what_went(tmp_path):
     path.write_text("\n".join([*lines[:300], *lines[340:-1], lines[-1][:20]]), encoding="utf-8")
     log = read_log(path, two_joints())
     reasons = {item.row: item.reason for item in log.rejected}
-    assert "beyond anything measured" in reasons[51]
-    assert reasons[71] == "tau2_Nm is blank"
-    assert reasons[91] == "tau1_Nm jumps for this one sample"
-    assert reasons[111] == "q2_rad is nan"
-    assert reasons[131] == "t_s is that of row 130 again"
-    assert "runs backwards" in reasons[151]
-    assert "cells where the header has 7" in reasons[360]
+    assert "beyond anything measured" in reasons[52]
+    assert reasons[72] == "tau2_Nm is blank"
+    assert reasons[92] == "tau1_Nm jumps for this one sample"
+    assert reasons[112] == "q2_rad is nan"
+    assert reasons[132] == "t_s is that of row 131 again"
+    assert "runs backwards" in reasons[152]
+    assert "cells where the header has 7" in reasons[361]
     assert log.size == 353
     assert (np.diff(log.time) > 0.0).all()
     assert np.isfinite(log.q).all()
     assert np.isfinite(log.torque).all()
-    assert any("1 gap, the longest of 0.41 s after row 299" in warning for warning in log.warnings)
-    assert any("stamps that occur twice (row 131)" in warning for warning in log.warnings)
+    assert any("1 gap, the longest of 0.41 s after row 300" in warning for warning in log.warnings)
+    assert any("stamps that occur twice (row 132)" in warning for warning in log.warnings)
 
 
 def test_jitter_is_said(tmp_path):
