@@ -104,7 +104,7 @@ def describe(result: OptimizationResult) -> Description:
         ),
         section("Error over the workspace", over, poses, lead=_COLOURS, detail=True),
         section("What each effect adds at the worst pose", effects, lead=alone, detail=True),
-        section("What binds, and its price", binding(result), lead="Limits that hold the design where it is."),
+        _binding(result),
         *costs(result),
         *_balance(result),
         *_motors(result),
@@ -118,6 +118,14 @@ def describe(result: OptimizationResult) -> Description:
     ]
     name = after.arm.name
     return Description(f"{name}: the new design", headline(result), tuple(items), better_words(result), f"{name}: ")
+
+
+def _binding(result: OptimizationResult) -> Section:
+    if result.rounded is None:
+        lead = "Limits that hold the design where it is."
+        return section("What binds, and its price", binding(result), lead=lead)
+    lead = "Limits that hold the optimum where it is. What the rounded design has to spare stands in the last section."
+    return section("What binds before rounding, and its price", binding(result), lead=lead)
 
 
 def _beside_actuators(result: OptimizationResult) -> list[Paragraph]:

@@ -262,6 +262,7 @@ def test_optimize_writes_the_chosen_actuators_and_the_rounded_sizes(linkwright, 
     assert f"{with_unit(result['mass_kg'], 'kg', 4)} as" in row
     page = (bench / "out" / "report.html").read_text()
     assert "Rounded to stock sizes" in page
+    assert "What binds before rounding" in page
     assert arm.links[0].section_name in page
     assert best["actuators"][0] in page
 
