@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,7 @@ from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.descriptions.file_frames import FileFrame
 from linkwright.core.arm.descriptions.in_motion import Format, added_parameters, heavier, of_joint
 from linkwright.core.arm.descriptions.reading.elements import Element
+from linkwright.core.arm.descriptions.reading.mjcf import mjcf_tree
 from linkwright.core.arm.descriptions.reading.mjcf_words import Mjcf
 from linkwright.core.arm.descriptions.reading.urdf import read_urdf
 from linkwright.core.arm.motion.rigid import INERTIA_PAIRS, in_frame
@@ -95,9 +97,12 @@ def _into_urdf(frame: FileFrame, added: Array, top: Element, editor: Editor) -> 
 
 def _into_mjcf(frame: FileFrame, added: Array, top: Element, editor: Editor) -> str | None:
     """Why it could not be written; None where it was."""
+    name = frame.element.attributes.get("name", frame.name)
     held = frame.element.one("inertial")
+    if Mjcf(top).compiler.get("inertiafromgeom") == "true":
+        return "its body weighs what its geoms do (inertiafromgeom); write it as auto there"
     if held is None:
-        return "its body has no <inertial> (what it weighs is that of its geoms)"
+        return _beside_geoms(frame, added, top, editor)
     stands = Mjcf(top).frame(held)
     tensor = np.zeros((3, 3))
     if "fullinertia" in held.attributes:
@@ -109,13 +114,37 @@ def _into_mjcf(frame: FileFrame, added: Array, top: Element, editor: Editor) -> 
     new = heavier(Mass(held.number("mass"), stands[:3, 3], turned), added)
     if new is None:
         return "no body has it"
-    name = frame.element.attributes.get("name", frame.name)
     editor.word(name, held, "mass", text_of([new.mass]))
     editor.word(name, held, "pos", text_of(new.center))
     for attribute in ("quat", "euler", "axisangle", "xyaxes", "zaxis", "diaginertia"):
         editor.remove(held, attribute)
-    editor.word(name, held, "fullinertia", text_of([new.inertia[pair] for pair in _FULL]))
+    editor.word(name, held, "fullinertia", _full(new))
     return None
+
+
+def _beside_geoms(frame: FileFrame, added: Array, top: Element, editor: Editor) -> str | None:
+    """Write an `<inertial>` with what a body's geoms weigh and what was added: MuJoCo takes it in their place."""
+    robot = mjcf_tree(top)
+    link = robot.links[robot.joints[frame.name].child]
+    joints = [item for item, _, _ in Mjcf(top).inside(frame.element, "main", np.eye(4)) if item.tag == "joint"]
+    if not link.weighed or link.unplaced or len(joints) > 1:
+        why = "several joints" if len(joints) > 1 else "geoms that cannot be read"
+        return f"its body has no <inertial>, and {why}; write one, as MuJoCo saves it"
+    mass = None
+    if (held := link.inertial) is not None and frame.point is not None:
+        mass = Mass(held.mass, np.array(held.center) + frame.point, np.zeros((3, 3)))
+        mass = mass if held.inertia is None else replace(mass, inertia=held.inertia)
+    new = heavier(mass, added)
+    if new is None:
+        return "no body has it"
+    values = {"mass": text_of([new.mass]), "pos": text_of(new.center), "fullinertia": _full(new)}
+    editor.insert(frame.element.attributes.get("name", frame.name), frame.element, f"<inertial {_quoted(values)}/>")
+    return None
+
+
+def _full(mass: Mass) -> str:
+    """A tensor as `fullinertia` has it."""
+    return text_of([mass.inertia[pair] for pair in _FULL])
 
 
 def _attributes(values: Mapping[str, float]) -> str:

@@ -94,11 +94,27 @@ def test_an_mjcf_moves_as_the_corrected_arm(tmp_path):
     np.testing.assert_allclose(result, added(arm, effects, 3), rtol=0, atol=1e-8)
 
 
-def test_a_body_weighed_by_its_shapes_is_told(tmp_path):
-    path = robot(tmp_path, MJCF, "robot.xml")
-    heavy = (EffectEntry("link_inertial", (2,), {"mass": 0.3}),)
-    out = into_file(replace(of_mjcf(MJCF), effects=heavy), path)
-    assert out.lost == (
-        "what was found of the weight of link 2: its body has no <inertial> (what it weighs is that of its geoms)",
+def test_a_body_weighed_by_its_shapes_is_given_an_inertial(tmp_path):
+    """MuJoCo weighs shapes and what was found together, also of a body whose joint stands beside its origin."""
+    text = MJCF.replace(' damping="3"', "").replace(
+        '<geom size="0.1" mass="1"/>', '<geom type="box" size="0.1 0.12 0.1" pos="0.1 0.02 0" euler="0 20 10"/>', 2
     )
-    assert out.text == MJCF
+    path = robot(tmp_path, text, "robot.xml")
+    arm = of_mjcf(text)
+    out = into_file(replace(arm, effects=WEIGHS), path)
+    assert not out.lost
+    result = in_mujoco(out.text, *states(3)) - in_mujoco(text, *states(3))
+    np.testing.assert_allclose(result, added(arm, WEIGHS, 3), rtol=0, atol=1e-8)
+
+
+def test_a_body_whose_shapes_do_not_tell_its_weight_is_told(tmp_path):
+    heavy = (EffectEntry("link_inertial", (2,), {"mass": 0.3}),)
+    for change, says in (
+        (('<geom size="0.1" mass="1"/>', '<geom type="mesh" mesh="gone" mass="1"/>'), "geoms that cannot be read"),
+        (('class="main"/><geom', 'class="main"/><joint name="more" axis="1 0 0"/><geom'), "several joints"),
+        (("<compiler ", '<compiler inertiafromgeom="true" '), "weighs what its geoms do"),
+    ):
+        text = MJCF.replace(*change)
+        out = into_file(replace(of_mjcf(MJCF), effects=heavy), robot(tmp_path, text, "robot.xml"))
+        assert says in out.lost[0]
+        assert out.text == text
