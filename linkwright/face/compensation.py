@@ -66,9 +66,10 @@ def describe(result: TableResult) -> Description:
     items: list[Item] = []
     if result.axes is not None:
         steps = [
-            f"joint {index + 1} every {coordinate(arm, index, float(axis[1] - axis[0]))}"
+            f"joint {index + 1} from {low} to {high} every {step}"
             for index, axis in enumerate(result.axes)
             if len(axis) > 1
+            for low, high, step in [[coordinate(arm, index, float(x)) for x in (axis[0], axis[-1], axis[1] - axis[0])]]
         ]
         items.append(Paragraph(f"grid: {', '.join(steps)}"))
     items.append(table(("error of the tip", "RMS", "largest"), rows))

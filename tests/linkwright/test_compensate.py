@@ -196,6 +196,16 @@ def test_command_writes_a_table_that_a_controller_can_subtract(linkwright, rod_f
     assert content["between"]["max_subtracted_mm"] < 0.1 * content["between"]["max_without_mm"]
 
 
+def test_a_joint_without_limits_is_taken_over_one_turn_and_that_is_said(linkwright, rod_file):
+    text = (rod_file / "rod.yaml").read_text(encoding="utf-8").replace("range: [-80 deg, 80 deg], ", "")
+    (rod_file / "free.yaml").write_text(text, encoding="utf-8")
+    status, out, _ = linkwright("compensate", "free.yaml", "--out", "t.csv")
+    assert status == 0
+    assert "grid: joint 1 from −180° to 180° every 25.71°" in out
+    table = pd.read_csv(rod_file / "t.csv")
+    assert (table.q1_deg.min(), table.q1_deg.max()) == (-180.0, 180.0)
+
+
 def test_command_takes_poses_and_payloads(linkwright, rod_file):
     (rod_file / "poses.csv").write_text("name,q1_deg\na,0\nb,60\n", encoding="utf-8")
     arguments = ("--poses", "poses.csv", "--payload", "0 kg", "--payload", "20 kg", "--out", "t.csv")
