@@ -74,7 +74,7 @@ from linkwright.core.arm.effects.thermal.thermal_expansion import THERMAL_EXPANS
 
 from . import traits
 from .effect import Disc, Effect, Interval, Parameter, Settings, Twist, kind_at
-from .registry import EFFECTS, parameter_title
+from .registry import EFFECTS, parameter_title, without_zeros
 from .traits import Readings
 
 EFFECTS.ship(
@@ -157,4 +157,5 @@ __all__ = [
     "kind_at",
     "parameter_title",
     "traits",
+    "without_zeros",
 ]

@@ -9,7 +9,7 @@ from types import MappingProxyType
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm, EffectEntry
-from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects import EFFECTS, without_zeros
 from linkwright.core.diagnose.patterns.library import Candidate
 from linkwright.core.diagnose.patterns.unknown_weights import weight_entries
 from linkwright.core.diagnose.result import FittedParameter
@@ -62,7 +62,8 @@ def corrected_arm(
         entry = _as_reported(as_entry(candidate, term.sizes.tolist()), parameters)
         if candidate.only is None or not _added(entries, entry, candidate.sizes):
             entries.append(entry)
-    return replace(arm, effects=tuple(entries), leave_out=frozenset(left_out)), tuple(notes)
+    effects = without_zeros(entries, arm.effects)
+    return replace(arm, effects=effects, leave_out=frozenset(left_out)), tuple(notes)
 
 
 def _as_reported(entry: EffectEntry, parameters: Sequence[FittedParameter]) -> EffectEntry:

@@ -6,7 +6,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 from linkwright.core.arm.chain.chain import Arm, EffectEntry
-from linkwright.core.arm.effects import EFFECTS
+from linkwright.core.arm.effects import EFFECTS, without_zeros
 from linkwright.core.arm.effects.effect import Effect
 from linkwright.core.sections.numeric import Array
 
@@ -28,7 +28,8 @@ def completed(arm: Arm, groups: Sequence[Group], numbers: Sequence[Array], more:
     joined = with_entries(
         arm, [e for group, values in zip(groups, numbers, strict=True) for e in entries_of(group, values)]
     )
-    return replace(arm, effects=tuple(_readable(entry) for entry in (*joined.effects, *more)))
+    effects = without_zeros([_readable(entry) for entry in (*joined.effects, *more)], arm.effects)
+    return replace(arm, effects=effects)
 
 
 def _readable(entry: EffectEntry) -> EffectEntry:

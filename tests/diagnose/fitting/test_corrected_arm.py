@@ -6,11 +6,13 @@ from types import MappingProxyType
 import numpy as np
 import pytest
 
+from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.arm.files.write import write_arm
 from linkwright.core.diagnose.fitting.corrected_arm import corrected_arm
 from linkwright.core.diagnose.fitting.refit import Refit
 from linkwright.core.diagnose.fitting.terms import Term
+from linkwright.core.diagnose.motion.corrected import completed
 from linkwright.core.diagnose.patterns.library import Candidate
 from linkwright.core.diagnose.steps.diagnosis import diagnose
 from tests.costs import slow_but
@@ -84,6 +86,22 @@ def test_a_shape_of_nought_is_kept_where_it_says_something():
     candidate = Candidate("creep", (0,), ("compliance",), MappingProxyType(shapes))
     corrected, _ = corrected_arm(made_arm(), refitted(candidate, np.array([1e-6])))
     assert corrected.effects[0].parameters["anew"] == 0.0
+
+
+def test_what_was_fitted_as_nothing_does_not_enter_the_file():
+    """Sizes held to what is usual lie at zero exactly; a zero that the file has stays."""
+    compliance = Candidate("joint_compliance", (0,), ("compliance",), MappingProxyType({}))
+    lag = Candidate("creep", (0,), ("compliance",), MappingProxyType({"time_constant": 3600.0}))
+    given = EffectEntry("encoder_offset", (2,), {"offset": 0.0})
+    arm = replace(made_arm(), effects=(given,))
+    for candidate in (compliance, lag):
+        assert corrected_arm(arm, refitted(candidate, np.array([0.0])))[0].effects == (given,)
+        assert len(corrected_arm(arm, refitted(candidate, np.array([1e-9])))[0].effects) == 2
+    nothing, something = (
+        EffectEntry("gear_ripple", (1,), {"sine": x, "cosine": 0.0, "order": 2.0}) for x in (0.0, 0.5)
+    )
+    assert completed(arm, (), (), (nothing,)).effects == (given,)
+    assert len(completed(arm, (), (), (something,)).effects) == 2
 
 
 def test_forms_do_not_enter_the_file():
