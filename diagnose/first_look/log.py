@@ -23,6 +23,7 @@ from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import InputError
 
 from .smoothing import moving_average
+from .units import refuse_grams
 from .weights import look_at_weights, refuse_millimetres
 
 _DEGREE = math.degrees(1.0)
@@ -44,6 +45,7 @@ def look_at_logs(logs: Sequence[tuple[MotionLog, Headers]], arm: Arm, rules: Rul
     """
     done: list[tuple[MotionLog, Headers]] = []
     for log, headers in logs:
+        refuse_grams(log.file, log.payload_mass, arm, headers, rules)
         torques = _without_clipped(log, headers, rules)
         _refuse_speeds(torques, headers, rules)
         done.append((_without_lag(torques, headers, rules), headers))

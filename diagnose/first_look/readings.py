@@ -23,6 +23,7 @@ from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import InputError, format_quantity
 
 from .rows import motion_checked
+from .units import refuse_grams
 
 
 def checked(recording: Recording, arm: Arm, headers: Headers, *, rules: Rules = RULES) -> Recording:
@@ -33,6 +34,7 @@ def checked(recording: Recording, arm: Arm, headers: Headers, *, rules: Rules = 
     """
     for check in (_sides, _covariates, _pasted, _time, _duplicates):
         recording = check(recording, headers, rules)
+    refuse_grams(recording.file, recording.payload_mass, arm, headers, rules)
     recording = _whole_turns(recording, arm, headers)
     recording = motion_checked(recording, arm, headers, rules=rules)
     for check in (_beyond_range, _constant):

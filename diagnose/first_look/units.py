@@ -11,6 +11,11 @@ from types import MappingProxyType
 import numpy as np
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.errors.model import beams_of
+from linkwright.core.arm.errors.unknown_mass import of_unknown_mass
+from linkwright.core.arm.evaluation import link_masses
+from linkwright.core.diagnose.reading.foreign.headers import Headers
+from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
 _TIP = ("x", "y", "z")
@@ -88,6 +93,30 @@ def unit_changes(arm: Arm, width: int, headers: Mapping[str, str]) -> Iterator[U
     if turns:
         for by_angle, by_length in itertools.product(angles, _LENGTHS):
             yield change(turns, by_angle, list(range(width)), by_length)
+
+
+def refuse_grams(file: str, payload: Array | None, arm: Arm, headers: Headers, rules: Rules) -> None:
+    """Refuse payloads (N,), kg, that no such arm carries, and that it might if they were in grams. Nothing is said of
+    an arm whose weight and drives nobody knows."""
+    most = 0.0 if payload is None else float(np.nanmax(payload, initial=0.0))
+    known = {"the arm weighs": _weight(arm), "its drives hold at full stretch": _held_stretched(arm)}
+    what, size = max(known.items(), key=lambda item: item[1])
+    if size > 0.0 and most > rules.mistakes.payload_in_grams * size:
+        name = headers.get("payload", "payload_kg")
+        message = f"reaches {most:.4g} kg where {what} {size:.3g} kg; is it in g?"
+        raise headers.refusal(file, name, message, {"columns": {name: f"{name}/1000"}})
+
+
+def _weight(arm: Arm) -> float:
+    """What links, joints and motors weigh, kg; 0 where the mass of a link is not known."""
+    return 0.0 if of_unknown_mass(arm) else sum(link_masses(beams_of(arm))) + arm.carried_mass
+
+
+def _held_stretched(arm: Arm) -> float:
+    """The mass at the tip that the strongest drive holds at full stretch, kg; 0 where no drive's torque is known."""
+    held = max((joint.greatest_static_load or 0.0 for joint in arm.joints if joint.revolute), default=0.0)
+    reach = sum(arm.lengths) * math.hypot(*arm.gravity)
+    return held / reach if reach > 0.0 else 0.0
 
 
 def widest(arm: Arm) -> Array:

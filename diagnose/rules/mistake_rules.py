@@ -26,6 +26,11 @@ class MistakeRules:
     surroundings: tuple[float, float] = rule(
         (193.15, 523.15), "K", "-80 to 250 degC. The surroundings of an arm are neither colder nor hotter."
     )
+    payload_in_grams: float = rule(
+        50.0,
+        "times what the arm weighs, or what its drives hold at full stretch",
+        "No arm carries as much. Payloads in grams in a column of kilograms are a thousand times too large.",
+    )
     far: float = rule(
         10.0,
         "times the middle distance",

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -259,6 +260,23 @@ def test_negative_payloads(tmp_path: Path) -> None:
     payload = np.tile([0.0, 5.0], COUNT // 2)
     payload[1] = -5.0
     assert rejected(read(tmp_path, q, tip, payload_kg=payload), "negative") == [3]
+
+
+def test_payloads_in_grams_are_refused_where_weight_or_drives_tell(tmp_path: Path) -> None:
+    """An arm of 6 kg, and one of unknown weight whose strongest drive holds 50 N*m: some 5 kg at 1 m."""
+    q, tip = clean()
+    grams = np.tile([500.0, 3000.0], COUNT // 2)
+    heavy = replace(ARM, links=tuple(replace(link, mass=2.0) for link in ARM.links))
+    driven = replace(ARM, joints=(replace(ARM.joints[0], rated_torque=50.0), *ARM.joints[1:]))
+    for arm, says in ((heavy, "the arm weighs 6 kg"), (driven, "its drives hold at full stretch")):
+        path = written(tmp_path / "r.csv", table(q, tip, payload_kg=grams))
+        with pytest.raises(InputError, match=f"payload_kg: reaches 3000 kg where {says}") as told:
+            read_recording(path, arm)
+        assert "write `columns: {payload_kg: payload_kg/1000}` in recording.yaml" in str(told.value)
+        (tmp_path / "recording.yaml").write_text("columns: {payload_kg: payload_kg/1000}")
+        assert read_recording(path, arm).payload_mass == pytest.approx(1e-3 * grams)
+        (tmp_path / "recording.yaml").unlink()
+    assert read(tmp_path, q, tip, payload_kg=grams).payload_mass == pytest.approx(grams)
 
 
 def test_constant_columns_and_angles_beyond_their_range_are_said_and_kept(tmp_path: Path) -> None:

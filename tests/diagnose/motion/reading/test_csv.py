@@ -174,6 +174,7 @@ def test_a_drive_that_never_changes_counts_as_not_logged(tmp_path):
         (lambda c: {name: item for name, item in c.items() if name != "t_s"}, "t_s: is missing"),
         (lambda c: {name: item for name, item in c.items() if "tau" not in name}, "tau1_Nm: is missing"),
         (lambda c: {name: item[:8] for name, item in c.items()}, "has 8 samples that can be used"),
+        (lambda c: c | {"payload_kg": np.full(400, 2000.0)}, "payload_kg: reaches 2000 kg where the arm weighs 6 kg"),
         (lambda c: c | {"q1_rad": ["a"] * 400}, "log.csv: q1_rad: holds no numbers in most samples"),
     ],
 )
