@@ -1,6 +1,6 @@
 (function () {
   "use strict";
-  var figures = {}, folded = [];
+  var figures = {};
   var places = Array.prototype.slice.call(document.querySelectorAll("[data-figure]"));
   function colour(name) {
     return getComputedStyle(document.documentElement).getPropertyValue(name).trim();
@@ -104,14 +104,11 @@
     }
     // The page's own layout on paper is not there to be asked before it is printed: A4 within its margins.
     window.addEventListener("beforeprint", function () {
-      folded = Array.prototype.slice.call(document.querySelectorAll("details:not([open])"));
-      folded.forEach(function (each) { each.open = true; });
       places.forEach(function (place) {
-        Plotly.relayout(place, { autosize: false, width: place.closest(".columns-2, .paper") ? 330 : 680, height: 380 });
+        Plotly.relayout(place, { autosize: false, width: place.closest(".columns-2, .paper") ? 330 : 680, height: 290 });
       });
     });
     window.addEventListener("afterprint", function () {
-      folded.forEach(function (each) { each.open = false; });
       places.forEach(function (place) { Plotly.relayout(place, { autosize: true, width: null, height: null }); });
     });
   });

@@ -2,14 +2,19 @@
 
 import re
 import shutil
+import subprocess
 
 import pytest
 
 from linkwright.core.units.quantities import InputError
 from linkwright.face.arm import Arm
 from linkwright.face.evaluation import Evaluation
+from linkwright.report.described import page_of
+from linkwright.report.page import pdf_of
+from linkwright.results.document import Description, Fact, Facts, amount, section, table
 
 needs_chromium = pytest.mark.skipif(shutil.which("chromium") is None, reason="needs Debian's chromium")
+needs_pdftotext = pytest.mark.skipif(shutil.which("pdftotext") is None, reason="needs Debian's poppler-utils")
 
 
 @needs_chromium
@@ -23,6 +28,26 @@ def test_command_prints_the_page_on_a4(linkwright, bench):
     boxes = re.findall(rb"/MediaBox \[0 0 ([0-9.]+) ([0-9.]+)\]", content)
     assert len(boxes) > 1
     assert {(round(float(wide)), round(float(high))) for wide, high in boxes} == {(595, 842)}
+
+
+@needs_chromium
+@needs_pdftotext
+def test_what_a_page_folds_is_not_printed_and_tiles_stand_on_the_first_page(tmp_path):
+    """200 rows would be five pages: 40 and where the others are take two; six tiles stand beside each other."""
+    facts = Facts(tuple(Fact(f"tile {k}", amount(float(k), "mm")) for k in range(6)))
+    rows = [(f"row {k}", amount(float(k), "mm")) for k in range(200)]
+    made = page_of(Description("t", "h", (facts, section("Long", table(("what", "size"), rows)))))
+    content = pdf_of(made)
+    assert len(re.findall(rb"/MediaBox ", content)) == 2
+    (tmp_path / "a.pdf").write_bytes(content)
+    words = subprocess.run(
+        ["pdftotext", "-layout", tmp_path / "a.pdf", "-"], capture_output=True, text=True, check=True
+    )
+    tiles = [line for line in words.stdout.splitlines() if "tile" in line]
+    assert [line.count("tile") for line in tiles] == [6]
+    assert "row 39" in words.stdout
+    assert "row 40" not in words.stdout
+    assert "150 more: on the page, and in the result's JSON" in words.stdout
 
 
 @pytest.mark.parametrize(
