@@ -29,10 +29,9 @@ class AnswerRules:
     balanced: float = rule(
         2.0,
         "times the square of the mismatch",
-        "If the squares of what names at one joint move add up to more, they balance each other and describe a form "
-        "that none of them is. With a rest above the noise it is `unknown`.",
-        "measured on the development half of the second proof, seed 2026113071: right names add up to 1.01 at most, a "
-        "belt named as six causes to 6.3",
+        "If the squares of what names at one joint move add up to more, these balance each other. With a rest above "
+        "the noise they are a form that the library lacks, and it is `unknown`.",
+        "development half of the second proof, seed 2026113071: right names reach 1.01, a belt named as six causes 6.3",
     )
     lasting: float = rule(
         0.2,
