@@ -172,6 +172,9 @@ def _answered(case: Hostile, result: OptimizationResult, *, keeps: bool, known: 
     assert found.mass <= limit.value * (1.0 + 1e-5)
     reported = 0.0 if result.after.unreached is None else result.after.unreached.share
     if case.lengths is None:
+        if case.box is not None:  # few turns of a third joint miss places at the rim
+            places = places_in(case.box, FINE[len(found.lengths)])
+            unreached = 1.0 - float(found.poses_of(places, 16 * TURNS)[1].mean())
         assert abs(reported - unreached) < 0.02
         assert (result.status == "certified") <= (unreached < 0.005)
     elif case.box is not None:
