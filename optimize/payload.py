@@ -15,7 +15,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
+from scipy.optimize import brentq, minimize_scalar
 
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
@@ -77,9 +77,10 @@ def evaluated_at(problem: Problem, arm: Arm, mass: float) -> Evaluation:
 
 
 def largest_payload_of(problem: Problem, arm: Arm, start: float = _FIRST) -> float | None:
-    """The largest payload (kg) that an arm carries within a problem's limits; None where it breaks one without any.
+    """The largest payload (kg) that an arm carries within a problem's limits; None where it breaks one with any.
 
-    Limits are taken to be the harder to keep the larger the payload. Raises `InputError` where none limits it.
+    Limits are taken to be the easier to keep the nearer the payload is to one, none as a rule: a force that lifts the
+    tip is easiest to bear with a payload that it carries. Raises `InputError` where none limits it.
     """
     fixed = [limit for limit in problem.limits if isinstance(limit.figure.follows, OfLinks | OfKinds)]
     fixed += [limit for limit in problem.limits if _is_sum(limit)]
@@ -130,7 +131,7 @@ def _figures_at(problem: Problem, arm: Arm, mass: float, limits: Sequence[Limit]
 
 
 def _where_kept(problem: Problem, beyond: Callable[[float], float], start: float) -> float | None:
-    """The largest payload (kg) at which a figure is not beyond its limit; None where it is without any. Raises
+    """The largest payload (kg) at which a figure is not beyond its limit; None where it is with any. Raises
     `InputError` where it never is."""
     low, high = 0.0, start
     while beyond(high) <= 0.0:
@@ -139,9 +140,18 @@ def _where_kept(problem: Problem, beyond: Callable[[float], float], start: float
             would_do = "give one that a payload makes harder to keep, e.g. subject_to: {max_error: '<= 0.2 mm'}"
             raise InputError(problem.file, "maximize", f"no limit holds the payload back; {would_do}")
     if low == 0.0 and beyond(0.0) > 0.0:
-        return None
+        low = _easiest(beyond, high)
+        if beyond(low) > 0.0:
+            return None
     root: Any = brentq(beyond, low, high, xtol=1e-6 * high)
     return float(root)
+
+
+def _easiest(beyond: Callable[[float], float], most: float) -> float:
+    """The payload (kg), `most` at most, at which a figure is best. Of a worst error it is the only one, for the largest
+    of norms of what is linear in the payload is convex."""
+    found: Any = minimize_scalar(beyond, bounds=(0.0, most), method="bounded", options={"xatol": 1e-4 * most})
+    return float(found.x)
 
 
 def _beyond_error(problem: Problem, arm: Arm, limits: Sequence[Limit]) -> Callable[[float], float] | None:
@@ -245,10 +255,27 @@ class _Search:
         )
         return False
 
+    def _try_easier(self, mass: float) -> None:
+        """Look for a design at the payload that the best one for another payload (kg) bears best, and so on."""
+        for _ in range(_MOST_ROUNDS):
+            beyond = (
+                None if self.refused is None else _beyond_error(self.problem, self.refused.arm, self.problem.limits)
+            )
+            if beyond is None or self.interrupted:
+                return
+            before, mass = mass, _easiest(beyond, 4.0 * mass)
+            if mass <= _STEP * before or abs(mass - before) <= _WITHIN * before:
+                return
+            if self.try_at(mass) or self.best is not None:
+                self.high, self.proven, self.refused = math.inf, False, None
+                return
+
     def run(self) -> None:
         """Narrow the payloads down. Raises `NoAnswer` where no design keeps the limits without any."""
         given = max(case.mass for case in self.problem.load_cases) or _FIRST
         if not self.try_at(given) and self.best is None:
+            self._try_easier(given)
+        if self.best is None:
             self.try_at(0.0)
         if self.best is None:
             assert self.pushed is not None
