@@ -31,8 +31,8 @@ _POSES = 192
 _ENUMERATED = 8
 """Up to so many uncertain factors every vertex is looked at."""
 _STARTS, _INNER = 6, 32
-_CLOSER = 4
-"""Whole searches of the workspace at the worst scenario so far."""
+_CLOSER, _EXACT = 4, 3
+"""Times that the workspace is searched whole, at so many of the worst scenarios so far."""
 _CHUNK = 40_000
 
 
@@ -107,13 +107,15 @@ class ScenarioSearch:
             starts = trials[np.argsort(-errors, kind="stable")[:_STARTS]]
             reached = [self._climbed(arm, start, poses) for start in starts]
             compared += sum(count for _, count in reached)
-            ends = np.array([end for end, _ in reached])
-            end_worst = ends[int(np.argmax(self.errors(arm, ends, poses)))]
-            worst = self.exact(arm, end_worst, poses)
+            ends = np.unique(np.array([end for end, _ in reached]), axis=0)
+            # Those that are as bad at the poses so far differ by poses of their own.
+            likely = ends[np.argsort(-self.errors(arm, ends, poses), kind="stable")[:_EXACT]]
+            found = [(self.exact(arm, end, poses), end) for end in likely]
+            worst, end_worst = max(found, key=lambda item: item[0].error)
             if case is not None and (worst.error <= case.error * (1.0 + 1e-7) or np.array_equal(end_worst, best)):
                 break
             best, case = end_worst, worst
-            poses = np.vstack([poses, np.array([pose.q for pose in worst.poses])])
+            poses = np.vstack([poses, np.array([pose.q for item, _ in found for pose in item.poses])])
         assert case is not None
         return best, case, compared
 
