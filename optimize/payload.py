@@ -150,8 +150,8 @@ def _where_kept(problem: Problem, beyond: Callable[[float], float], start: float
 def _easiest(beyond: Callable[[float], float], most: float) -> float:
     """The payload (kg), `most` at most, at which a figure is best. Of a worst error it is the only one, for the largest
     of norms of what is linear in the payload is convex."""
-    found: Any = minimize_scalar(beyond, bounds=(0.0, most), method="bounded", options={"xatol": 1e-4 * most})
-    return float(found.x)
+    best: Any = minimize_scalar(beyond, bounds=(0.0, most), method="bounded", options={"xatol": 1e-4 * most})
+    return float(best.x)
 
 
 def _beyond_error(problem: Problem, arm: Arm, limits: Sequence[Limit]) -> Callable[[float], float] | None:

@@ -167,9 +167,9 @@ def _walls(section: Section, loops: list[Array], stated: SectionProperties) -> I
             yield f"the middle of its wall '{wall.name}' does not lie in the material"
             continue
         thickness, width = float(wall.thickness), float(wall.width)
-        found = _across(loops, middle, np.array([start[1] - end[1], end[0] - start[0]]) / apart)
-        if not abs(thickness - found) <= _SIZE * found:
-            yield f"its wall '{wall.name}' is {1e3 * thickness:.4g} mm thick where its outline has {1e3 * found:.4g} mm"
+        drawn = _across(loops, middle, np.array([start[1] - end[1], end[0] - start[0]]) / apart)
+        if not abs(thickness - drawn) <= _SIZE * drawn:
+            yield f"its wall '{wall.name}' is {1e3 * thickness:.4g} mm thick where its outline has {1e3 * drawn:.4g} mm"
         if not -_SIZE * apart <= width - apart <= thickness + _SIZE * apart:
             yield f"its wall '{wall.name}' is {1e3 * width:.4g} mm wide and its ends are {1e3 * apart:.4g} mm apart"
     if section.inner_diameter is not None:

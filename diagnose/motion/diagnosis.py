@@ -141,8 +141,8 @@ def diagnosed(
     event = next_event(arm, pool, rows, heard, events, rules=rules)
     if event is not None:
         return diagnosed(arm, set_aside(whole, rows, event), options, progress, (*events, event))
-    found = [each for fast in (False, True) for each in _ripples(rows, heard.sizes, scans, request, fast=fast)]
-    if proposed := {(item.joint, item.order): effect for effect, item in found}:
+    ordered = [each for fast in (False, True) for each in _ripples(rows, heard.sizes, scans, request, fast=fast)]
+    if proposed := {(item.joint, item.order): effect for effect, item in ordered}:
         known = pool
         more = [(effect, joint, {effect.shapes[0].name: order}) for (joint, order), effect in proposed.items()]
         pool = with_variants(pool, arm, masses, more, rules=rules)

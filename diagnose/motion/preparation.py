@@ -227,8 +227,8 @@ def _encoders(
     at = np.clip(log.time + late, log.time[0], log.time[-1])
     second = even.thinned(CubicSpline(log.time, log.joint_side)(at))
     pushes, rates = np.nan_to_num(np.concatenate(torque)), (motion.velocity, motion.acceleration)
-    found = sides(motion.q, np.concatenate(second), pushes, rates, said=log.beyond_drive, late=late, rules=rules)
-    return found, [part - found.offset for part in second]
+    result = sides(motion.q, np.concatenate(second), pushes, rates, said=log.beyond_drive, late=late, rules=rules)
+    return result, [part - result.offset for part in second]
 
 
 def _on_both_sides(

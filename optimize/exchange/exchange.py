@@ -57,6 +57,7 @@ GAINED = 1e-7
 CERTIFICATE_GAP = 3e-5
 _MOST_ROUNDS = 40
 _OTHER_STARTS = 2
+"""Starting points of the sizes' own that are tried where a solver fails from the last design."""
 _MOST_ADDED = 6
 _BETWEEN = (1.0 / 3.0, 2.0 / 3.0)
 """Where poses between two stand that are farther apart (rad, m) than `_SAME` and nearer than `_NEAR`."""

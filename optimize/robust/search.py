@@ -110,12 +110,12 @@ class ScenarioSearch:
             ends = np.unique(np.array([end for end, _ in reached]), axis=0)
             # Those that are as bad at the poses so far differ by poses of their own.
             likely = ends[np.argsort(-self.errors(arm, ends, poses), kind="stable")[:_EXACT]]
-            found = [(self.exact(arm, end, poses), end) for end in likely]
-            worst, end_worst = max(found, key=lambda item: item[0].error)
+            searched = [(self.exact(arm, end, poses), end) for end in likely]
+            worst, end_worst = max(searched, key=lambda item: item[0].error)
             if case is not None and (worst.error <= case.error * (1.0 + 1e-7) or np.array_equal(end_worst, best)):
                 break
             best, case = end_worst, worst
-            poses = np.vstack([poses, np.array([pose.q for item, _ in found for pose in item.poses])])
+            poses = np.vstack([poses, np.array([pose.q for item, _ in searched for pose in item.poses])])
         assert case is not None
         return best, case, compared
 

@@ -71,7 +71,9 @@ def encoder_notes(arm: Arm, prepared: Sequence[PreparedLog], shown: Sequence[Bet
         left = [
             f"{_length(item.after, not arm.joints[item.joint - 1].revolute)} at joint {item.joint}" for item in shown
         ]
-        made.append(f"Of the difference of both encoders is left, on motion that was not fitted: {', '.join(left)}.")
+        made.append(
+            f"The difference of both encoders that nothing explains, on held-out motion: {', '.join(left)} RMS."
+        )
     return tuple(dict.fromkeys(made))
 
 
@@ -88,7 +90,7 @@ def _of_log(arm: Arm, name: str, encoders: Sides) -> str:
     each = ", ".join(_length(value, not joint.revolute) for value, joint in zeros)
     return (
         f"{name}: {by} of {side} side and j of {other}. Zeros of j stand {each} beyond those of q, joint by joint, and "
-        f"j is read {1e3 * encoders.late:.2g} ms later. Both are allowed for, and no findings."
+        f"j is read {1e3 * encoders.late:.2g} ms later. Both are allowed for and are not findings."
     )
 
 

@@ -10,28 +10,20 @@ from linkwright.core.arm.chain.chain import EffectEntry
 from linkwright.core.arm.descriptions.imported import import_robot
 from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
 from linkwright.core.diagnose.motion.log import MotionLog
+from tests.diagnose.motion.causes.three_joints import NAMES, THREE
 
 STIFFNESS, RETARDATION = 700.0, 0.01
 GEAR = (
     '<inertial pos="0 0 0" mass="1e-6" diaginertia="1e-8 1e-8 1e-8"/><body>'
     f'<joint name="gear" axis="0 1 0" stiffness="{STIFFNESS}" damping="{RETARDATION * STIFFNESS}"/>'
 )
-THREE = """<mujoco model="three"><compiler angle="radian"/><option timestep="0.0005" gravity="0 0 -9.81"/><worldbody>
-<body pos="0 0 .3"><joint name="j1" axis="0 0 1" range="-3 3"/>
-<inertial pos="0 .02 -.03" mass="5" diaginertia=".03 .03 .02"/>
-<body pos="0 0 .1"><joint name="j2" axis="0 1 0" range="-3 3"/>{gear}
-<inertial pos=".2 0 0" mass="4" diaginertia=".01 .07 .07"/>
-<body pos=".45 0 0"><joint name="j3" axis="0 1 0" range="-3 3"/>
-<inertial pos=".18 .01 0" mass="2.2" diaginertia=".004 .035 .035"/><site name="tool" pos=".4 0 0"/>
-</body></body></body>{end}</worldbody></mujoco>"""
-NAMES = ("j1", "j2", "j3")
 
 
 def log_of(gear, seed=3, push=None, beyond=False):
     """25 s at 100 Hz under a controller: coordinates of the motors, or `beyond` the gear, and torques with a noise of
     0.05 N*m. What `push` says at the coordinates pushes the joints."""
     rng = np.random.default_rng(seed)
-    text = THREE.format(gear=GEAR if gear else "", end="</body>" if gear else "")
+    text = THREE.format(step=5e-4, gear=GEAR if gear else "", end="</body>" if gear else "")
     model = mujoco.MjModel.from_xml_string(text)
     rotors = np.array([0.5, 0.6, 0.2])
     at = np.array([model.joint(name).dofadr[0] for name in NAMES])
@@ -70,7 +62,7 @@ def log_of(gear, seed=3, push=None, beyond=False):
 @pytest.fixture(scope="module")
 def arm(tmp_path_factory):
     path = tmp_path_factory.mktemp("three") / "three.xml"
-    path.write_text(THREE.format(gear="", end=""), encoding="utf-8")
+    path.write_text(THREE.format(step=5e-4, gear="", end=""), encoding="utf-8")
     arm = import_robot(path).arm
     rotors = (EffectEntry("armature", (k + 1,), {"inertia": size}) for k, size in enumerate((0.5, 0.6, 0.2)))
     return type(arm)(**{**arm.__dict__, "effects": tuple(rotors)})
