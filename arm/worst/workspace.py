@@ -157,7 +157,9 @@ def _radical_inverses(base: int, count: int, seed: tuple[int, int]) -> Array:
     generator = np.random.default_rng(seed)
     rest, inverses = np.arange(count), np.zeros(count)
     for place in range(1, math.ceil(_BITS / math.log2(base)) + 1):
-        inverses += generator.permutation(base)[rest % base] * float(base) ** -place
+        permuted = generator.permutation(base)
+        # No number has that many digits: the place's is zero in all of them.
+        inverses += (permuted[rest % base] if base ** (place - 1) < count else permuted[0]) * float(base) ** -place
         rest = rest // base
     return inverses
 
