@@ -14,7 +14,6 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.arm.figures import OfDesign, Totals, excess
 from linkwright.core.arm.files.write import arm_to_yaml
 from linkwright.core.arm.worst.workspace import Unreachable
 from linkwright.core.executors import Executor
@@ -23,21 +22,16 @@ from linkwright.core.optimize.choice.pose_products import one_signed
 from linkwright.core.optimize.exchange.assembled import Compiled
 from linkwright.core.optimize.exchange.binding_poses import Pool
 from linkwright.core.optimize.exchange.design import (
-    LENGTH,
-    TAPER,
     DesignSpace,
     arm_of,
     design_space,
-    ladder,
     material_row,
     numeric_beams,
     starting_points,
 )
-from linkwright.core.optimize.exchange.exchange import GAINED, Context, Exchange, Exchanged, badness_of, first_pool
-from linkwright.core.optimize.exchange.other_lengths import other_lengths, share_unreached, with_lengths
-from linkwright.core.optimize.exchange.program import Ask, Program, Solution
-from linkwright.core.optimize.exchange.rescue import breaks_limits, solved
-from linkwright.core.optimize.exchange.totals import carried_mass
+from linkwright.core.optimize.exchange.exchange import GAINED, Context, Exchange, Exchanged, first_pool
+from linkwright.core.optimize.exchange.program import Solution
+from linkwright.core.optimize.exchange.rescue import breaks_limits
 from linkwright.core.optimize.result import Candidate, Iteration
 
 from .at_once.feasibility import Feasibility, feasibility_of
@@ -49,15 +43,6 @@ Array = NDArray[np.float64]
 Progress = Callable[[int, int, str], None]
 """(combinations done, combinations in all, what is being done)"""
 
-_FINAL_STARTS = 5
-_RUNGS = 24
-"""Steps from the lightest sections to the heaviest at which the error is looked at where it may have several minima."""
-_NEAR = 0.3
-"""How far a descent into one of them may lead, in each of the optimiser's numbers (a third more or less, of a size)."""
-_HELD, _HOPEFUL = 0.05, 1.1
-"""How far (in its logarithm) a length may move while sizes are found for it; what must not be worse by more then."""
-_AT_OTHER_LENGTHS = 6
-"""So many combinations are tried with other lengths."""
 _KEPT = 2
 """Compiled programs are large: so many are kept."""
 
@@ -181,8 +166,8 @@ class Chooser:
                 solved = self.solve_unless_ruled_out(pick)
                 if solved is None or (solved.solution is None and not solved.unsolved):
                     continue
-            exchange = self._exchange(pick.shapes)
-            materials = self._materials(pick)
+            exchange = self.exchange(pick.shapes)
+            materials = self.materials(pick)
             unsolved = False
             for start in starting_points(exchange.space, materials, 2):
                 self.pool = first_pool(self.context, exchange.space, start, pick.materials)
@@ -200,169 +185,36 @@ class Chooser:
                 if not unsolved and len(picks) > 1:
                     self.solve_unless_ruled_out(pick)
 
-    def polish(self) -> None:
-        """Further starts for the best combination: a better local optimum replaces it."""
-        if self.best is None:
-            return
-        pick, space, materials, _, _, _ = self.best
-        start_count = _FINAL_STARTS if len(space.variables) > 1 else 1
-        for number, start in enumerate(starting_points(space, materials, start_count)):
-            if self.progress is not None:
-                self.progress(number, start_count, "solving from further starts")
-            self.finish(pick, start)
-        if not self.one_signed():
-            self._descend(pick, space, materials)
-
-    def try_other_lengths(self) -> None:
-        """Descents from other lengths, where those are free and the places to reach stay where they are, each with its
-        binding poses, by the best combination and those that came near it."""
-        if self.best is None:
-            return
-        pick, space, _, _, exchanged, _ = self.best
-        near = [item for item in self._by_objective()[:_AT_OTHER_LENGTHS] if item != pick]
-        starts = other_lengths(self.context, space, exchanged.x, pick.materials)
-        for number, start in enumerate(starts):
-            if self.progress is not None:
-                self.progress(number, len(starts), "solving from other lengths")
-            best, pool, noted = self.best, self.pool, dict(self.candidates)
-            try:
-                self.pool = first_pool(self.context, space, start, pick.materials)
-            except Unreachable:
-                continue
-            lengths = space.sections_and_lengths([float(value) for value in start])[1]
-            for each in (pick, *near):
-                begin = start
-                if each.shapes != pick.shapes:
-                    other = self._exchange(each.shapes).space
-                    begin = starting_points(other, self._materials(each), 1)[0]
-                    begin = with_lengths(other, begin, lengths)
-                self._finish_near_lengths(each, begin)
-            if self.best is best or self._reaches_less(self.best, best):
-                self.best, self.pool, self.candidates = best, pool, noted
-
-    def _reaches_less(self, one: Best, other: Best) -> bool:
-        """Whether a design reaches less of a box or a path than another one does."""
-        shares = [share_unreached(self.context, item[1], item[4].x, item[0].materials) for item in (one, other)]
-        return shares[0] > shares[1]
-
-    def _finish_near_lengths(self, pick: Combination, start: Array) -> None:
-        """Sizes for the lengths of a start first, then lengths not far from those, then any: a descent from sizes that
-        belong to other lengths leads back to these."""
-        assert self.pool is not None
-        exchange, materials = self._exchange(pick.shapes), self._materials(pick)
-        program = exchange.program(self.pool)
-        lengths = np.array([variable.name == LENGTH for variable in exchange.space.variables])
-        aim = self.context.aim
-        near = Ask(self.context.problem.limits, aim, within=(start, np.where(lengths, _HELD, np.inf)))
-        held = solved(program, start, materials, self.pool, near)
-        if not held.solved:
-            return
-        hopeful = _HOPEFUL * self.objective
-        if exchange.objective(program, held, materials, aim) < hopeful:
-            done = self.finish(pick, held.x, within=np.where(lengths, _NEAR, np.inf), above=hopeful)
-            self.finish(pick, held.x if done is None else done.x)
-
-    def _by_objective(self) -> list[Combination]:
-        """The combinations that have an objective or a bound, best first."""
-        values = {
-            pick: candidate.objective for pick, candidate in self.candidates.items() if candidate.objective is not None
-        }
-        return sorted(values, key=lambda pick: values[pick])
-
     def one_signed(self, *, everywhere: bool = False) -> bool:
         """Whether no terms of the error cancel at the poses that hold the best design, so that it has no pits; or
         `everywhere` that any design was held against. Not asked where scenarios count: no answer then claims it."""
         if self.best is None or not self.context.uses_error or self.context.scenarios is not None:
             return True
         pick, space, _, _, exchanged, _ = self.best
-        p = self._beams(pick, space, exchanged.x)
+        p = self.beams(pick, space, exchanged.x)
         cuts = exchanged.solution.active.errors
         if everywhere and self.pool is not None:
             cuts = self.pool.errors
         return one_signed(self.context.model, cuts, p)
 
-    def _descend(self, pick: Combination, space: DesignSpace, materials: Array) -> None:
-        """Where terms cancel, the error has several minima: into each that shows between light and heavy sections."""
-        rungs = ladder(space, materials, _RUNGS)
-        errors = [self._scanned(pick, space, rung) for rung in rungs]
-        for index, rung in enumerate(rungs):
-            if errors[index] <= min(errors[max(index - 1, 0) : index + 2]):
-                self.finish(pick, rung, within=_NEAR)
-
-    def _scanned(self, pick: Combination, space: DesignSpace, x: Array) -> float:
-        """The worst error at poses spread over the workspace: enough to see where it has a minimum."""
-        try:
-            return self.context.search.scanned(self._beams(pick, space, x))
-        except Unreachable:
-            return math.inf
-
-    def _beams(self, pick: Combination, space: DesignSpace, x: Array) -> Array:
+    def beams(self, pick: Combination, space: DesignSpace, x: Array) -> Array:
+        """What the error model knows of the links of a design of a combination."""
         return numeric_beams(arm_of(space, x, pick.materials), self.context.problem.load_cases)
-
-    def _badness(self, pick: Combination, space: DesignSpace, program: Program, x: Array, materials: Array) -> float:
-        try:
-            return badness_of(self.context, program, x, arm_of(space, x, pick.materials), materials)
-        except Unreachable:
-            return math.inf
-
-    def no_worse_than(self, pick: Combination, x: Array) -> None:
-        """Hold the best design against another that may be kept as it is: descents from there that stay near it."""
-        space = design_space(self.context.problem, pick.shapes)
-        materials = self._materials(pick)
-        exchange = self._exchange(pick.shapes)
-        self.pool = self.pool or first_pool(self.context, space, x, pick.materials)
-        program = exchange.program(self.pool)
-        known = self._badness(pick, space, program, x, materials)
-        if known >= self.objective or not self._light_enough(program, x, materials):
-            return
-        for within in (_NEAR, 0.1 * _NEAR, 1e-4):
-            self.finish(pick, x, within=within)
-            if self.objective <= known * (1.0 + 1e-6):
-                return
-
-    def hold_against_uniform(self) -> None:
-        """Hold the best design against the best with the same shapes and materials and uniform links, where those are
-        allowed, so that tapers never make an answer worse."""
-        allowed = [link_ranges.taper for link_ranges in self.context.problem.ranges if link_ranges.taper is not None]
-        if (
-            self.best is None
-            or self.pool is None
-            or not allowed
-            or not all(low <= 1.0 <= high for low, high in allowed)
-        ):
-            return
-        pick, space, materials, _, _, _ = self.best
-        start = starting_points(space, materials, 1)[0]
-        tapers = np.array([variable.name == TAPER for variable in space.variables])
-        exchange = self._exchange(pick.shapes)
-        start = np.where(tapers, 0.0, start)
-        plain = exchange.run(materials, pick.materials, self.pool, start, within=np.where(tapers, 0.0, np.inf))
-        if plain is not None:
-            self.no_worse_than(pick, plain.x)
 
     def totals(self, pick: Combination, x: Array) -> tuple[float, float, float]:
         """Mass (kg), cost (EUR) and reach (m) of a combination's links for the optimiser's numbers."""
         assert self.pool is not None
-        materials = self._materials(pick)
-        return self._exchange(pick.shapes).program(self.pool).mass_cost_reach(x, materials)
+        materials = self.materials(pick)
+        return self.exchange(pick.shapes).program(self.pool).mass_cost_reach(x, materials)
 
-    def _light_enough(self, program: Program, x: Array, materials: Array) -> bool:
-        """Whether a design keeps the limits that cost nothing to look at."""
-        carried = carried_mass(self.context.problem) + program.space.hung(x)
-        totals = Totals(*program.mass_cost_reach(x, materials), carried)
-        return all(
-            excess(limit, float(limit.figure.follows.value(totals))) <= 1e-6
-            for limit in self.context.problem.limits
-            if isinstance(limit.figure.follows, OfDesign)
-        )
-
-    def _materials(self, pick: Combination) -> Array:
+    def materials(self, pick: Combination) -> Array:
         """What the programs know of a combination's materials, which many share."""
         if pick.materials not in self._rows:
             self._rows[pick.materials] = material_row(pick.materials, self.context.problem)
         return self._rows[pick.materials]
 
-    def _exchange(self, shapes: tuple[str | None, ...]) -> Exchange:
+    def exchange(self, shapes: tuple[str | None, ...]) -> Exchange:
+        """The exchange of combinations of these shapes, from those kept."""
         if shapes not in self._exchanges:
             if len(self._exchanges) >= self.kept:
                 self._exchanges.pop(next(iter(self._exchanges)))
@@ -388,8 +240,8 @@ class Chooser:
 
     def solve(self, pick: Combination, *, explain: bool = False) -> Solved:
         """A combination for the pool alone; with `explain` also how little the limits would have to give way."""
-        exchange = self._exchange(pick.shapes)
-        materials = self._materials(pick)
+        exchange = self.exchange(pick.shapes)
+        materials = self.materials(pick)
         starts = starting_points(exchange.space, materials, 2)
         pool = self.pool = self.pool or first_pool(self.context, exchange.space, starts[0], pick.materials)
 
@@ -449,8 +301,8 @@ class Chooser:
         """The exchange of a combination from a start, unless it is given up: where it cannot beat the best so far, or
         an objective `above` that. The best design so far is kept; returns how the exchange ended, where it did."""
         assert self.pool is not None
-        exchange = self._exchange(pick.shapes)
-        materials = self._materials(pick)
+        exchange = self.exchange(pick.shapes)
+        materials = self.materials(pick)
         ended = self._ended(pick, exchange, materials, start, within, self.objective if above is None else above)
         done, objective = ended.done, ended.objective
         if done is None or objective is None:

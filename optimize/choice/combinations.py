@@ -20,6 +20,7 @@ from .initial_arm import given_design
 from .large_choice import CLOSE, Among, among_many, possible
 from .near_ties import Ties, near_ties
 from .picks import Combination, combinations, count
+from .polish import hold_against_uniform, no_worse_than, polish, try_other_lengths
 from .solution_cache import Solutions
 
 Array = NDArray[np.float64]
@@ -174,13 +175,13 @@ class _Search:
     def _polish(self) -> None:
         """Other local optima of the best combination, and the arm as given."""
         chooser, problem = self.chooser, self.chooser.context.problem
-        chooser.polish()
-        chooser.try_other_lengths()
+        polish(chooser)
+        try_other_lengths(chooser)
         given = given_design(problem)
         if given is not None:
-            chooser.no_worse_than(given.combination, given.x)
+            no_worse_than(chooser, given.combination, given.x)
         if problem.free_tapers:
-            chooser.hold_against_uniform()
+            hold_against_uniform(chooser)
 
     def _look_near(self, first: Combination) -> None:
         """What comes near the best, which may turn out better."""
@@ -188,7 +189,7 @@ class _Search:
         self.interrupted = self.near.interrupted
         best = self.chooser.best
         if best is not None and best[0] != first and not self.interrupted:
-            self.chooser.polish()
+            polish(self.chooser)
         if self.among is not None:
             self.gap = 0.0 if self.near.all_solved else self.among.gap_of(self.chooser.objective)
 
