@@ -28,14 +28,17 @@ from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import format_quantity
 
 from .robust_scale import qn, resolution
-from .visits import differences_of_revisits, without_drift
+from .visits import (
+    differences_of_revisits,
+    readings_of_a_pose,
+    repeat_groups,
+    visits_of_a_pose,
+    without_drift,
+)
 
 Rows = NDArray[np.int64]
 Source = Literal["repeats", "declared", "revisits", "none"]
 
-_STEPS, _EVEN = 1.5, 0.02
-"""Coordinates closer than so many steps of an encoder differ by one at most; steps that are whole numbers of the least
-to within this share are an encoder's counts."""
 _FINEST = 1e-9
 """Metres: no instrument of an arm's size resolves less."""
 
@@ -175,7 +178,7 @@ def _best_known(
         return _Known(
             tuple(np.maximum(declared_sigmas(recording, declared, width), repeats.least).tolist()), "declared", 0
         )
-    again = differences_of_revisits(residual, _revisits(groups, recording, arm, rules))
+    again = differences_of_revisits(residual, readings_of_a_pose(groups, recording, arm, rules))
     # Neighbouring differences share a reading: two thirds of them are worth one each.
     rested = 2 * len(again) // 3
     if rested < rules.enough_freedom:
@@ -257,59 +260,6 @@ def _pooled_drift(floors: Sequence[NoiseFloor]) -> tuple[float | None, int]:
     freedom = sum(item.drift_degrees_of_freedom for item in again)
     moved = sum((item.drift_m or 0.0) ** 2 * item.drift_degrees_of_freedom for item in again)
     return (float(np.sqrt(moved / freedom)) if freedom else None), freedom
-
-
-def repeat_groups(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> tuple[Rows, ...]:
-    """Visits: consecutive readings at one pose and condition, as indices (from 0) into the recording.
-
-    Every reading is in one group, often alone. A pause of more than ten usual intervals begins a new group.
-    """
-    same = pose_tolerance(recording, arm, rules=rules)
-    usual = np.inf
-    if recording.time is not None and recording.size > 1:
-        steps = np.diff(recording.time)
-        usual = rules.long_pause * float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else np.inf
-    held = [item for item in (recording.payload_mass, recording.sides, recording.force) if item is not None]
-    changed = np.zeros(recording.size, dtype=bool)
-    for each in held:
-        columns = each.reshape(recording.size, -1)
-        changed[1:] |= (np.abs(np.diff(columns, axis=0)) > 1e-6 + rules.same_payload * np.abs(columns[1:])).any(axis=1)
-    if recording.observed_as is not None:
-        changed[1:] |= (np.diff(recording.observed_as, axis=0) != 0).any(axis=1)
-    if recording.velocity is not None:
-        limit = 1e-3 + rules.other_speed * np.abs(recording.velocity[1:])
-        changed[1:] |= (np.abs(np.diff(recording.velocity, axis=0)) > limit).any(axis=1)
-    if recording.time is not None:
-        changed[1:] |= np.abs(np.diff(recording.time)) > usual
-    groups: list[list[int]] = [[0]] if recording.size else []
-    for index in range(1, recording.size):
-        first = groups[-1][0]
-        apart = np.abs(recording.q[index] - recording.q[first]) > same
-        if changed[index] or apart.any():
-            groups.append([index])
-        else:
-            groups[-1].append(index)
-    return tuple(np.array(group, dtype=np.int64) for group in groups)
-
-
-def pose_tolerance(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> Array:
-    """How far coordinates (n,) may differ at one pose: rad, m."""
-    tolerances: list[float] = []
-    for index, joint in enumerate(arm.joints):
-        least = rules.same_coordinate(joint.revolute)
-        most = rules.coarsest * least
-        tolerances.append(min(max(_STEPS * _count(recording.q[:, index], most), least), most))
-    return np.array(tolerances)
-
-
-def _count(values: Array, largest: float) -> float:
-    """The step of an encoder that counts coarsely, 0 where there is none below `largest`."""
-    steps = np.diff(np.unique(values))
-    steps = steps[steps > 1e-9]
-    if len(steps) < 2 or (least := float(steps.min())) > largest:
-        return 0.0
-    counts = steps / least
-    return least if np.all(np.abs(counts - np.round(counts)) < _EVEN * np.maximum(counts, 1.0)) else 0.0
 
 
 def _clean(
@@ -427,7 +377,7 @@ def _drift(
     good = [np.array([k for k in group if recording.row[k] not in bad], dtype=np.int64) for group in groups]
     squares, expected, dof = 0.0, 0.0, 0
     noise = 0.0 if sigma is None else sum(item * item for item in sigma)
-    for again in _of_one_pose([group for group in good if len(group)], recording, arm, rules):
+    for again in visits_of_a_pose([group for group in good if len(group)], recording, arm, rules):
         if len(again) < 2:
             continue
         means = np.array([residual[visit].mean(axis=0) for visit in again])
@@ -440,28 +390,6 @@ def _drift(
     # Noise alone exceeds its expectation by about this much, which is then no drift.
     chance = rules.beyond_chance * expected * np.sqrt(2.0 / (dof * residual.shape[1]))
     return (float(np.sqrt(over / dof)) if over > chance else 0.0), dof
-
-
-def _of_one_pose(visits: Sequence[Rows], recording: Recording, arm: Arm, rules: ResidualRules) -> list[list[Rows]]:
-    """Visits together that were of one pose and condition."""
-    same = rules.one_pose * pose_tolerance(recording, arm, rules=rules)
-    keys: dict[tuple[int, ...], list[Rows]] = {}
-    for visit in visits:
-        key = [*np.round(recording.q[visit].mean(axis=0) / same).astype(int).tolist()]
-        for held in (recording.payload_mass, recording.sides, recording.force, recording.observed_as):
-            if held is not None:
-                key += np.round(held.reshape(recording.size, -1)[visit[0]] / 1e-3).astype(int).tolist()
-        keys.setdefault(tuple(key), []).append(visit)
-    return list(keys.values())
-
-
-def _revisits(groups: Sequence[Rows], recording: Recording, arm: Arm, rules: ResidualRules) -> list[Rows]:
-    """The readings of each pose and condition in the order of time."""
-    visits: list[Rows] = []
-    for again in _of_one_pose(groups, recording, arm, rules):
-        rows = np.concatenate(again)
-        visits.append(rows if recording.time is None else rows[np.argsort(recording.time[rows], kind="stable")])
-    return visits
 
 
 def _sentence(floor: float | None, source: Source, dof: int, groups: int, declared: float | None) -> str:

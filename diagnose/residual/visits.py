@@ -23,6 +23,10 @@ from .observed import Observed
 Array = NDArray[np.float64]
 Rows = NDArray[np.int64]
 
+_STEPS, _EVEN = 1.5, 0.02
+"""Coordinates closer than so many steps of an encoder differ by one at most; steps that are whole numbers of the least
+to within this share are an encoder's counts."""
+
 
 def visits(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> NDArray[np.int64]:
     """Which visit (from 0) each reading belongs to: consecutive readings at one pose, payload and side."""
@@ -104,6 +108,81 @@ def blocks_of(block: NDArray[np.int64]) -> Sequence[NDArray[np.int64]]:
     """The row numbers of each visit."""
     order = np.argsort(block, kind="stable")
     return np.split(order, np.flatnonzero(np.diff(block[order])) + 1)
+
+
+def repeat_groups(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> tuple[Rows, ...]:
+    """Visits: consecutive readings at one pose and condition, as indices (from 0) into the recording.
+
+    Every reading is in one group, often alone. A pause of more than ten usual intervals begins a new group.
+    """
+    same = pose_tolerance(recording, arm, rules=rules)
+    usual = np.inf
+    if recording.time is not None and recording.size > 1:
+        steps = np.diff(recording.time)
+        usual = rules.long_pause * float(np.median(steps[steps > 0.0])) if (steps > 0.0).any() else np.inf
+    held = [item for item in (recording.payload_mass, recording.sides, recording.force) if item is not None]
+    changed = np.zeros(recording.size, dtype=bool)
+    for each in held:
+        columns = each.reshape(recording.size, -1)
+        changed[1:] |= (np.abs(np.diff(columns, axis=0)) > 1e-6 + rules.same_payload * np.abs(columns[1:])).any(axis=1)
+    if recording.observed_as is not None:
+        changed[1:] |= (np.diff(recording.observed_as, axis=0) != 0).any(axis=1)
+    if recording.velocity is not None:
+        limit = 1e-3 + rules.other_speed * np.abs(recording.velocity[1:])
+        changed[1:] |= (np.abs(np.diff(recording.velocity, axis=0)) > limit).any(axis=1)
+    if recording.time is not None:
+        changed[1:] |= np.abs(np.diff(recording.time)) > usual
+    groups: list[list[int]] = [[0]] if recording.size else []
+    for index in range(1, recording.size):
+        first = groups[-1][0]
+        apart = np.abs(recording.q[index] - recording.q[first]) > same
+        if changed[index] or apart.any():
+            groups.append([index])
+        else:
+            groups[-1].append(index)
+    return tuple(np.array(group, dtype=np.int64) for group in groups)
+
+
+def pose_tolerance(recording: Recording, arm: Arm, *, rules: ResidualRules = RULES.residual) -> Array:
+    """How far coordinates (n,) may differ at one pose: rad, m."""
+    tolerances: list[float] = []
+    for index, joint in enumerate(arm.joints):
+        least = rules.same_coordinate(joint.revolute)
+        most = rules.coarsest * least
+        tolerances.append(min(max(_STEPS * _count(recording.q[:, index], most), least), most))
+    return np.array(tolerances)
+
+
+def _count(values: Array, largest: float) -> float:
+    """The step of an encoder that counts coarsely, 0 where there is none below `largest`."""
+    steps = np.diff(np.unique(values))
+    steps = steps[steps > 1e-9]
+    if len(steps) < 2 or (least := float(steps.min())) > largest:
+        return 0.0
+    counts = steps / least
+    return least if np.all(np.abs(counts - np.round(counts)) < _EVEN * np.maximum(counts, 1.0)) else 0.0
+
+
+def visits_of_a_pose(visits: Sequence[Rows], recording: Recording, arm: Arm, rules: ResidualRules) -> list[list[Rows]]:
+    """Visits together that were of one pose and condition."""
+    same = rules.one_pose * pose_tolerance(recording, arm, rules=rules)
+    keys: dict[tuple[int, ...], list[Rows]] = {}
+    for visit in visits:
+        key = [*np.round(recording.q[visit].mean(axis=0) / same).astype(int).tolist()]
+        for held in (recording.payload_mass, recording.sides, recording.force, recording.observed_as):
+            if held is not None:
+                key += np.round(held.reshape(recording.size, -1)[visit[0]] / 1e-3).astype(int).tolist()
+        keys.setdefault(tuple(key), []).append(visit)
+    return list(keys.values())
+
+
+def readings_of_a_pose(groups: Sequence[Rows], recording: Recording, arm: Arm, rules: ResidualRules) -> list[Rows]:
+    """The readings of each pose and condition in the order of time."""
+    visits: list[Rows] = []
+    for again in visits_of_a_pose(groups, recording, arm, rules):
+        rows = np.concatenate(again)
+        visits.append(rows if recording.time is None else rows[np.argsort(recording.time[rows], kind="stable")])
+    return visits
 
 
 def without_drift(

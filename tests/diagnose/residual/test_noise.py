@@ -9,8 +9,9 @@ import pytest
 from scipy.stats import norm
 
 from linkwright.core.diagnose.recording import Recording
-from linkwright.core.diagnose.residual.noise import NoiseFloor, noise_floor, repeat_groups
+from linkwright.core.diagnose.residual.noise import NoiseFloor, noise_floor
 from linkwright.core.diagnose.residual.robust_scale import qn, resolution
+from linkwright.core.diagnose.residual.visits import repeat_groups
 from linkwright.core.sections.numeric import Array
 from tests.diagnose.recorded import planar_arm, planar_tip, poses
 
