@@ -58,11 +58,6 @@ def check_table(file: Path | None) -> None:
         raise InputError(file, "", not_installed("parquet", "pyarrow", "parquet"))
 
 
-def rows_of(table: pd.DataFrame, names: Sequence[str]) -> pd.DataFrame:
-    """The rows of a table whose `name` is among some, in their order."""
-    return table.set_index("name", drop=False).loc[list(names)].reset_index(drop=True)
-
-
 def _csv(table: pd.DataFrame) -> str:
     words = table.select_dtypes(exclude="number")
     return str(table.assign(**words.map(defused)).to_csv(index=False, lineterminator="\n"))

@@ -21,7 +21,7 @@ from linkwright.core.catalogues.keyed import KeyedEditor
 from linkwright.core.units.quantities import InputError
 from linkwright.core.units.reading import parse_yaml
 from linkwright.output.files import ReadBack, check_target, write_file
-from linkwright.output.table_file import WAYS, rows_of
+from linkwright.output.table_file import WAYS
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -68,7 +68,7 @@ class UserCatalogue:
         finder: what finds an entry by its name among the shipped ones and those of a file.
         made: an entry of a name, its values by key, as they were given, and their source.
         read: what reads the entries of a file, by its ending.
-        known: all entries with those of a file, by name; its `table` are their figures, a row each.
+        known: all entries with those of a file, by name; its `table_of` some names are their figures, a row each.
         doubts: what is hardly believable of a file's entries, a line each; empty where all are usual.
         keys: what keys are called for short in lists, by which they may be given too.
     """
@@ -148,7 +148,7 @@ class UserCatalogue:
         read back and held against their figures, else as a table of these, which nothing reads."""
         check_target(out, catalogue)
         way = _by_ending(out, {**ways, **{ending: None for ending in WAYS if ending not in ways}})
-        meant = rows_of(self.known(catalogue).table, names)
+        meant = self.known(catalogue).table_of(names)
         if way is None:
             write_file(out, WAYS[out.suffix.lower()](meant))
         else:
@@ -165,7 +165,7 @@ class UserCatalogue:
         with tempfile.TemporaryDirectory() as folder:
             held = Path(folder) / "read.yaml"
             self.editor.add(held, entries)
-            read = rows_of(self.known(held).table, [entry.name for entry in entries])
+            read = self.known(held).table_of(entry.name for entry in entries)
         if len(read) != len(meant):
             yield f"it had {len(meant)} entries and reads {len(read)}"
             return

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import ValuesView
+from collections.abc import Iterable, ValuesView
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
 
@@ -85,6 +85,10 @@ class Materials(Catalogue[Material]):
         """All materials at 20 degC: name, title, family, E (GPa), density (kg/m^3), yield strength (MPa), cost
         (EUR/kg), highest service temperature (degC); NaN where one has no such figure; whether it is magnetic, None
         where nobody knows."""
+        return self.table_of(self)
+
+    def table_of(self, names: Iterable[str]) -> pd.DataFrame:
+        """The rows of `table` of these names alone, in their order. Raises `InputError` for one that there is not."""
         figures: tuple[tuple[PropertyName, float], ...] = (
             ("elastic_modulus", 1e9),
             ("density", 1.0),
@@ -102,7 +106,7 @@ class Materials(Catalogue[Material]):
                 else math.nan,
                 item.model.magnetic,
             )
-            for item in self.values()
+            for item in map(Material, map(self.catalogue.find, names))
         ]
         named = ["name", "title", "family", "elastic_modulus_GPa", "density_kg_per_m3", "yield_strength_MPa"]
         return frame(rows, [*named, "cost_EUR_per_kg", "highest_service_temperature_degC", "magnetic"])
@@ -142,9 +146,15 @@ class Actuators(Catalogue[Actuator]):
     def table(self) -> pd.DataFrame:
         """All actuators: maker, gear, torques (N*m), stiffness of drive and bearing (N*m/rad), backlash (rad), mass
         (kg), cost (EUR)."""
+        return self.table_of(self)
+
+    def table_of(self, names: Iterable[str]) -> pd.DataFrame:
+        """The rows of `table` of these names alone, in their order. Raises `InputError` for one that there is not."""
         torques = ("rated_torque_Nm", "peak_torque_Nm", "stiffness_Nm_per_rad", "tilting_stiffness_Nm_per_rad")
         keys = ("name", "maker", "gear", *torques, "backlash_rad=backlash", "mass_kg", "cost_EUR")
-        return frame([fields(item, *keys) for item in self.values()], [key.partition("=")[0] for key in keys])
+        return frame(
+            [fields(item, *keys) for item in map(self._all.find, names)], [key.partition("=")[0] for key in keys]
+        )
 
 
 actuators = Actuators()
@@ -187,13 +197,17 @@ class Sections(Catalogue[StockSize]):
     @property
     def table(self) -> pd.DataFrame:
         """All sizes: name, family, shape, area (cm^2), second moments (cm^4), torsion constant (cm^4)."""
-        names = {"area": 2, "second_moment_y": 4, "second_moment_z": 4, "torsion_constant": 4}
+        return self.table_of(self)
+
+    def table_of(self, names: Iterable[str]) -> pd.DataFrame:
+        """The rows of `table` of these names alone, in their order. Raises `InputError` for one that there is not."""
+        powers = {"area": 2, "second_moment_y": 4, "second_moment_z": 4, "torsion_constant": 4}
         rows: list[tuple[object, ...]] = []
-        for size in self.values():
+        for size in map(self.stock.find, names):
             properties = size.section.properties(0.3)
-            figures = [float(getattr(properties, name)) * 100.0**power for name, power in names.items()]
+            figures = [float(getattr(properties, name)) * 100.0**power for name, power in powers.items()]
             rows.append((size.name, size.family, size.shape, *figures))
-        headings = [f"{name}_cm{power}" for name, power in names.items()]
+        headings = [f"{name}_cm{power}" for name, power in powers.items()]
         return frame(rows, ["name", "family", "shape", *headings])
 
 
