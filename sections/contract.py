@@ -8,6 +8,7 @@ from dataclasses import fields
 from types import MappingProxyType
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkwright.core.sections.formulas.outlines import Outlined, about_centroid, with_shear
 from linkwright.core.sections.numeric import Array
@@ -200,7 +201,7 @@ def _largest_circle(loop: Array) -> float:
     for _ in range(_ZOOMS):
         sides = [np.linspace(-size, size, _GRID) for size in half]
         points = centre + np.stack(np.meshgrid(*sides), axis=-1).reshape(-1, 2)
-        points = points[[_encloses(loop, point) for point in points]]
+        points = points[_encloses(loop, points)]
         if not len(points):
             break
         offsets = points[:, None, :] - loop[:-1]
@@ -210,8 +211,8 @@ def _largest_circle(loop: Array) -> float:
     return best
 
 
-def _encloses(loop: Array, point: Array) -> bool:
-    """Whether a loop runs around a point: the turn that it makes about it."""
-    offset = loop - point
-    turn = np.diff(np.unwrap(np.arctan2(offset[:, 1], offset[:, 0])))
-    return abs(float(turn.sum())) > math.pi
+def _encloses(loop: Array, points: Array) -> NDArray[np.bool_]:
+    """Whether a loop runs around points (..., 2): the turn that it makes about each."""
+    offset = loop - points[..., None, :]
+    turn = np.diff(np.unwrap(np.arctan2(offset[..., 1], offset[..., 0])))
+    return np.abs(turn.sum(axis=-1)) > math.pi
