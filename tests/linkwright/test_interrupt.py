@@ -1,5 +1,6 @@
 """Ctrl-C while a design is sought: what was found is written, and said to be no more than that."""
 
+import itertools
 import json
 import os
 import signal
@@ -85,10 +86,17 @@ def test_an_interrupt_while_sizes_are_compared_leaves_the_optimum(bench):
     assert read_arm(bench / "out" / "arm.yaml").size == 2
 
 
-def test_an_interrupt_of_a_plan_leaves_the_best_so_far(bench):
+def test_an_interrupt_of_a_plan_leaves_the_best_so_far(bench, linkwright, monkeypatch):
     """While poses at random are tried the visits are chosen: they are written, promised, and said to be no more."""
+    tried = itertools.count()
+
+    def interrupted(_, text, __):
+        if text.startswith("comparing with poses") and next(tried) == 1:
+            raise KeyboardInterrupt
+
+    monkeypatch.setattr("linkwright.screen.progress.Steps.__call__", interrupted)
     arguments = ("plan", "arm.yaml", "--poses", "8", "--repeats", "1", "--for", "backlash:1", "--payload", "0 kg")
-    status, error = interrupted_at(bench, "comparing with poses", *arguments, "--out", "out.csv", "--json", "out.json")
+    status, _, error = linkwright(*arguments, "--out", "out.csv", "--json", "out.json")
     assert status == 130
     assert error == "stopped: this is the best plan so far\n"
     result = json.loads((bench / "out.json").read_text())

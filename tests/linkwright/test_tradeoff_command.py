@@ -1,11 +1,9 @@
 """`linkwright tradeoff`: its files, arms that bear their figures out, wrong input, and what a stop leaves."""
 
 import csv
+import itertools
 import json
-import os
 import re
-import subprocess
-import sys
 import xml.etree.ElementTree as ET
 
 import pytest
@@ -15,10 +13,10 @@ from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.arm.figures import FIGURES
 from linkwright.core.arm.files.read import read_arm
 from linkwright.core.optimize.tradeoff.question import axes_of
+from linkwright.core.optimize.tradeoff.trace import Tracer
 from linkwright.report.charts.fronts import _axis
 from linkwright.report.pictures.svg import marks
 from linkwright.results.tradeoff import spread
-from tests.linkwright.conftest import ROOT
 from tests.linkwright.samples import unpacked
 
 PROBLEM = """\
@@ -119,40 +117,24 @@ def test_no_design_is_no_answer(two, linkwright):
     assert "would have to be" in error
 
 
-STOPPED_AT = """
-import os, signal, sys
-from linkwright.cli import main
-from linkwright.core.optimize.tradeoff.trace import Tracer
-
-left = int(sys.argv[1])
-node = Tracer._node
-
-def counted(self, *arguments):
-    global left
-    left -= 1
-    if left == 0:
-        os.kill(os.getpid(), signal.SIGINT)
-    return node(self, *arguments)
-
-signal.signal(signal.SIGINT, signal.default_int_handler)
-Tracer._node = counted
-main(sys.argv[2:])
-"""
-"""A run that gets Ctrl-C as it has solved so many points."""
-
-
 @pytest.mark.parametrize(("points", "kept"), [pytest.param(1, 0, marks=pytest.mark.slow), (4, 3)])
-def test_ctrl_c_leaves_the_points_solved_so_far(two, points, kept):
-    environment = {**os.environ, "PYTHONPATH": str(ROOT)}
-    asked = ["tradeoff", "one.yaml", "--accuracy", "0.05", "--out", "front"]
-    command = [sys.executable, "-c", STOPPED_AT, str(points), *asked]
-    ended = subprocess.run(command, cwd=two, env=environment, capture_output=True, text=True, check=False)
-    assert ended.returncode == 130
+def test_ctrl_c_leaves_the_points_solved_so_far(two, linkwright, monkeypatch, points, kept):
+    """It comes as so many points have been solved; `test_interrupt.py` sends the signal itself."""
+    node, solved = Tracer._node, itertools.count(1)
+
+    def counted(self, *arguments):
+        if next(solved) == points:
+            raise KeyboardInterrupt
+        return node(self, *arguments)
+
+    monkeypatch.setattr(Tracer, "_node", counted)
+    status, _, error = linkwright("tradeoff", "one.yaml", "--accuracy", "0.05", "--out", "front")
+    assert status == 130
     if not kept:
-        assert "no point was solved yet" in ended.stderr
+        assert "no point was solved yet" in error
         assert not (two / "front").exists()
         return
-    assert "these are the points solved so far" in ended.stderr
+    assert "these are the points solved so far" in error
     result = json.loads((two / "front/result.json").read_text())
     assert result["interrupted"]
     assert not result["envelope"]["complete"]

@@ -265,11 +265,11 @@ def test_a_taken_port_is_one_line(server, process):
         assert said in result.stderr
 
 
-def test_what_is_no_shelf_is_one_line(process, tmp_path):
+def test_what_is_no_shelf_is_one_line(linkwright, tmp_path):
     """A file of that name that is something else."""
     (tmp_path / "linkwright-results.sqlite").write_text("something else, long enough to be looked at" * 40)
-    result = process("$PYTHON -m linkwright serve --port 0")
-    assert result.returncode == 2
-    assert "linkwright-results.sqlite: cannot be used" in result.stderr
+    status, _, error = linkwright("serve", "--port", "0")
+    assert (status, error.count("\n")) == (2, 1)
+    assert "linkwright-results.sqlite: cannot be used" in error
     with pytest.raises(sqlite3.DatabaseError):
         sqlite3.connect(tmp_path / "linkwright-results.sqlite").execute("SELECT * FROM results")

@@ -10,7 +10,7 @@ import sys
 from contextlib import closing
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from linkwright.browser.server.folder import Folder
@@ -109,6 +109,7 @@ def test_a_script_is_kept_once(tmp_path):
     assert shelf.size() == empty
 
 
+@settings(max_examples=30)
 @given(st.lists(st.one_of(st.binary(max_size=20), st.just(page_with(b"x")), st.just(b"<script>")), max_size=6))
 def test_pages_read_back_as_they_were(tmp_path_factory, pieces):
     shelf = Shelf(tmp_path_factory.mktemp("shelf"))

@@ -1,5 +1,6 @@
 """A disk that is full when an answer is written: the answer is shown, one line says what is wrong."""
 
+import resource
 from pathlib import Path
 
 import pytest
@@ -29,11 +30,16 @@ def test_the_answer_is_shown_where_its_file_cannot_be_written(linkwright, comman
         assert result == (2, shown, "/dev/full: cannot be written: No space left on device\n")
 
 
-def test_the_answer_is_shown_where_its_folder_cannot_hold_it(process, bench):
+def test_the_answer_is_shown_where_its_folder_cannot_hold_it(linkwright, bench):
     """A limit of 8 kB a file: the result fits, the report does not."""
-    result = process(f"ulimit -f 8; $PYTHON -m linkwright evaluate {SMALL} --out out")
-    assert result.returncode == 2
-    assert "Worst position error" in result.stdout
-    assert result.stderr.count("\n") == 1
-    assert "report.html: cannot be written" in result.stderr
+    soft, hard = resource.getrlimit(resource.RLIMIT_FSIZE)
+    resource.setrlimit(resource.RLIMIT_FSIZE, (8192, hard))
+    try:
+        status, shown, error = linkwright("evaluate", SMALL, "--out", "out")
+    finally:
+        resource.setrlimit(resource.RLIMIT_FSIZE, (soft, hard))
+    assert status == 2
+    assert "Worst position error" in shown
+    assert error.count("\n") == 1
+    assert "report.html: cannot be written" in error
     assert not (bench / "out" / "report.html").exists()

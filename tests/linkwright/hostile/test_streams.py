@@ -24,7 +24,7 @@ def test_closed_and_full_streams(process, line, status, said):
 
 def test_a_result_goes_to_its_file_where_no_stream_is_open(process, bench):
     """And nothing that is printed comes into a file that got the number of a closed stream."""
-    process('"$PYTHON" -m linkwright evaluate arm.yaml --json result.json <&- >&- 2>&-')
+    process('"$PYTHON" -m linkwright effects list --json result.json <&- >&- 2>&-')
     assert (bench / "result.json").read_text().startswith("{")
     assert (bench / "result.json").read_text().endswith("}\n")
 

@@ -1,7 +1,9 @@
 """Motion logs through the same commands and functions as recordings of a tip, from a URDF to what is written."""
 
+import functools
 import json
 import re
+import shutil
 import sys
 from pathlib import Path
 
@@ -22,11 +24,27 @@ COULOMB, VISCOUS = (7.0, 9.0, 4.0, 1.2), (5.0, 6.0, 2.5, 0.4)
 
 
 @pytest.fixture(scope="module")
-def found(tmp_path_factory):
-    """The folder that `diagnose` leaves of the example, whose logs are MuJoCo's."""
-    folder = tmp_path_factory.mktemp("motion") / "found"
-    assert run(["diagnose", URDF, LOG, "--out", str(folder), "--quiet"]) == 0
-    return folder
+def diagnosed(tmp_path_factory):
+    """The folder that `diagnose` leaves of the example, whose logs are MuJoCo's, and the result in Python that it is
+    written of."""
+    folder, results, diagnose = tmp_path_factory.mktemp("motion") / "found", [], lw.diagnose
+
+    @functools.wraps(diagnose)
+    def kept(*given, **more):
+        results.append(diagnose(*given, **more))
+        return results[-1]
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(lw, "diagnose", kept)
+        assert run(["diagnose", URDF, LOG, "--out", str(folder), "--quiet"]) == 0
+    (result,) = results
+    return folder, result
+
+
+@pytest.fixture(scope="module")
+def found(diagnosed):
+    """The folder."""
+    return diagnosed[0]
 
 
 @pytest.fixture(scope="module")
@@ -75,11 +93,9 @@ def test_predict_says_what_is_left_of_each_joint(found, tmp_path, capsys):
     assert told["rms"] == pytest.approx(np.sqrt(np.mean([item["rms"] ** 2 for item in told["per_joint"]])))
 
 
-def test_a_diagnosis_in_python(content):
+def test_a_diagnosis_in_python(diagnosed, content):
     """The same as the command's: tables with units, a line, the corrected arm."""
-    arm = lw.read_arm(URDF)
-    log = lw.read_log(LOG, arm)
-    dia = lw.diagnose(arm, log)
+    dia = diagnosed[1]
     assert repr(dia).startswith("<MotionDiagnosis: ")
     assert dia.verdict == content["verdict"]
     assert dia.rms_held_out == pytest.approx(content["rms_after_held_out"])
@@ -87,7 +103,7 @@ def test_a_diagnosis_in_python(content):
     assert (row["parameter"], row["unit"]) == ("torque_2", "N*m")
     assert row["low"] < row["value"] < row["high"]
     assert list(dia.per_joint["joint"]) == [1, 2, 3, 4]
-    assert lw.predict(dia.corrected, log).rms == pytest.approx(dia.found.written.rms, rel=1e-3)
+    assert lw.predict(dia.corrected, LOG).rms == pytest.approx(dia.found.written.rms, rel=1e-3)
     assert {"t_s", "before2_Nm", "after2_Nm"} <= set(dia.residuals.columns)
 
 
@@ -154,36 +170,51 @@ def dated(arm, folder, months, joint, before, after, change):
     return files
 
 
+TWO_DRIVES = """\
+name: two drives in a vertical plane
+chain:
+  - {joint: {range: [-90 deg, 90 deg]}, link: {length: 400 mm, rigid: true, mass: 4 kg}}
+  - {joint: {range: [-120 deg, 120 deg]}, link: {length: 300 mm, rigid: true, mass: 3 kg}}
+"""
+
+
 @pytest.fixture(scope="module")
-def months(tmp_path_factory):
-    """Ten months of a joint whose friction rises by 30 % in the seventh."""
-    return dated(lw.read_arm(URDF), tmp_path_factory.mktemp("months"), 10, 3, 4.0, 5.2, 6)
+def arm_and_months(tmp_path_factory):
+    """The file of a small arm, and six months of its second joint, whose friction rises by 30 % in the fourth."""
+    folder = tmp_path_factory.mktemp("months")
+    arm = folder / "arm.yaml"
+    arm.write_text(TWO_DRIVES, encoding="utf-8")
+    return str(arm), dated(lw.read_arm(arm), folder, 6, 2, 4.0, 5.2, 3)
 
 
-def test_compare_says_what_changed(months, capsys):
+def test_compare_says_what_changed(arm_and_months, tmp_path, capsys):
     """The friction that rose, with sizes in both; what was there before is the same."""
-    assert run(["compare", URDF, months[0], months[-1]]) == 0
+    arm, months = arm_and_months
+    assert run(["compare", arm, months[0], months[-1], "--json", str(tmp_path / "compared.json")]) == 0
     said = capsys.readouterr().out
-    (rose,) = lw.compare(URDF, months[0], months[-1]).found.changes
-    assert [rose.first.value, rose.second.value] == pytest.approx([4.0, 5.2], abs=0.03)
-    sizes = f"torque from {rose.first.value:.2f} N·m to {rose.second.value:.2f} N·m."
-    assert said.startswith(f"Changed: dry (Coulomb) friction (joint 3), {sizes}")
+    (rose,) = json.loads((tmp_path / "compared.json").read_text(encoding="utf-8"))["changes"]
+    before, after = rose["first"]["value"], rose["second"]["value"]
+    assert [before, after] == pytest.approx([4.0, 5.2], abs=0.03)
+    sizes = f"torque from {before:.3g} N·m to {after:.3g} N·m."
+    assert said.startswith(f"Changed: dry (Coulomb) friction (joint 2), {sizes}")
     assert "Nothing else differs between the logs by more than" in said
-    same = lw.compare(URDF, months[0], months[1])
+    same = lw.compare(arm, months[0], months[1])
     assert "Nothing that was fitted changed beyond doubt." in same.sentence
 
 
-def test_watch_says_since_when(months, tmp_path, capsys):
+def test_watch_says_since_when(arm_and_months, tmp_path, capsys):
     """By how much, as a share, and between which dates; the page has its chart."""
-    assert run(["watch", URDF, *months, "--out", str(tmp_path / "watched")]) == 0
+    arm, months = arm_and_months
+    assert run(["watch", arm, *months, "--out", str(tmp_path / "watched")]) == 0
     said = capsys.readouterr().out
-    by = r"torque by \+1\.[12]\d* N·m \(\+(29|30|31) %\) between 2026-06-05 and 2026-07-05"
-    assert re.search(rf"dry \(Coulomb\) friction \(joint 3\): {by}", said)
+    by = r"torque by \+1\.[12]\d* N·m \(\+(29|30|31) %\) between 2026-03-05 and 2026-04-05"
+    assert re.search(rf"dry \(Coulomb\) friction \(joint 2\): {by}", said)
     told = json.loads((tmp_path / "watched" / "result.json").read_text(encoding="utf-8"))
     assert told["observes"] == "motion"
     assert told["alarms"][0]["change"] == pytest.approx(1.2, abs=0.05)
+    undated = shutil.copy(months[0], tmp_path / "undated.csv")
     with pytest.raises(lw.InputError, match="date"):
-        lw.watch(URDF, [LOG, OTHER, months[0]])
+        lw.watch(arm, [*months[1:3], undated])
 
 
 def test_a_planned_motion_tells_apart_more_than_one_at_random(tmp_path, capsys):

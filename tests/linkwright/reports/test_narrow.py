@@ -3,7 +3,7 @@
 import io
 
 import pytest
-from hypothesis import given
+from hypothesis import given, settings
 from hypothesis import strategies as st
 from rich.console import Console
 
@@ -18,6 +18,7 @@ def shown(made, width):
     return out.getvalue()
 
 
+@settings(max_examples=40)
 @given(
     rows=st.lists(st.tuples(NAMES, NAMES, NAMES, NAMES), min_size=1, max_size=5),
     width=st.integers(24, 110),
