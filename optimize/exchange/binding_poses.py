@@ -11,7 +11,7 @@ from linkwright.core.arm.figures import Cut
 
 @dataclass(frozen=True)
 class Anchor:
-    """What holds a pose while lengths change: its tip (m), and the directions (rows) in which joints move without it.
+    """What holds a pose while lengths change: its tip (m), and the directions (rows) in which its joints stay.
 
     `side` (-1 or 1) is the sign of the determinant of the tip's Jacobian with those rows below it: where an arm is
     nearly stretched, its elbow could otherwise flip to the other side, where the error is another. `free`: joints to
@@ -19,7 +19,7 @@ class Anchor:
     """
 
     tip: tuple[float, float, float]
-    null: tuple[tuple[float, ...], ...]
+    held: tuple[tuple[float, ...], ...]
     side: float
     free: bool = False
 

@@ -13,6 +13,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import ErrorModel, error_model
@@ -33,7 +34,7 @@ from linkwright.core.arm.figures import (
 from linkwright.core.arm.worst.coverage import reached
 from linkwright.core.arm.worst.parts import worst_search
 from linkwright.core.arm.worst.search import WorstCase, WorstPose, WorstSearch
-from linkwright.core.arm.worst.workspace import Unreachable, pull
+from linkwright.core.arm.worst.workspace import Unreachable, climbing_bounds, pull
 from linkwright.core.materials.material import Material
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import Iteration
@@ -62,6 +63,8 @@ _MOST_ADDED = 6
 _BETWEEN = (1.0 / 3.0, 2.0 / 3.0)
 """Where poses between two stand that are farther apart (rad, m) than `_SAME` and nearer than `_NEAR`."""
 _SAME, _NEAR = 1e-4, 0.6
+_AT_END = 1e-9
+"""How near (rad, m) to an end of its range a joint is at that end."""
 
 
 @dataclass(frozen=True)
@@ -205,24 +208,25 @@ class Exchange:
     def bound(
         self, materials: Array, pool: Pool, start: Array, *, push: int | None = None
     ) -> tuple[Solution, float] | None:
-        """The solution for the pool alone, and its objective: no design near it does better. None where infeasible.
+        """The solution for the pool alone, and its objective: no design near it does better; minus infinity where a
+        pose that holds it strayed, which proves nothing. None where infeasible.
 
         `push` as for `run`.
         """
         push = self.context.aim if push is None else push
         program = self.program(pool, spare=False)
-        # Anchored poses that turn as far as they like can only make the bound lower.
-        ask = Ask(self.context.problem.limits, push, turn=20.0)
+        ask = Ask(self.context.problem.limits, push)
         solution = solved(program, start, materials, pool, ask)
         if not solution.solved:
             self.infeasible = solution.infeasible
             return None
-        return solution, self.objective(program, solution, materials, push)
+        bound = -math.inf if solution.strayed else self.objective(program, solution, materials, push)
+        return solution, bound
 
     def breach(self, materials: Array, pool: Pool, start: Array) -> Solution:
         """The solution for the pool alone in which the limits give way as little as they must."""
         program = self.program(pool, spare=False)
-        return program.solve(start, materials, pool, Ask(self.context.problem.limits, relax=True, turn=20.0))
+        return program.solve(start, materials, pool, Ask(self.context.problem.limits, relax=True))
 
     def objective(self, program: Program, solution: Solution, materials: Array, push: int | None) -> float:
         """What a solution makes least: the objective (SI), or the badness of the limit that is pushed."""
@@ -269,7 +273,7 @@ class Exchange:
             objective = self.objective(program, solution, materials, push)
             change = _change(self.space, last, solution.x) if number > 1 else math.nan
             last, error = solution.x, solution.error
-            if objective > give_up_above * (1.0 + 1e-9) and not solution.turned:
+            if objective > give_up_above * (1.0 + 1e-9) and not solution.strayed:
                 return Exchanged(last, solution, pool, None, tuple(iterations), False, False, bounded_out=True)
             try:
                 judged = self._judge(last, solution, chosen, pool, push, worth=give_up_above)
@@ -284,10 +288,9 @@ class Exchange:
             if log is not None:
                 log(iterations[-1])
             # Poses that strayed out of the joint ranges are brought back into them: another round may do better.
-            again = solution.turned or (solution.strayed and _believed_worse(solution, judged))
-            agreed = judged.violation <= TOLERANCE and not again
+            agreed = judged.violation <= TOLERANCE and not solution.strayed
             best = Exchanged(last, solution, pool, judged.worst, tuple(iterations), judged.certified, agreed)
-            if agreed or not (judged.added or again):
+            if agreed or not (judged.added or solution.strayed):
                 break
             pool = judged.pool
         return best
@@ -417,11 +420,6 @@ class _Judged:
     added: bool
 
 
-def _believed_worse(solution: Solution, judged: _Judged) -> bool:
-    """Whether a program believes that a design is worse than it is."""
-    return judged.worst is not None and judged.worst.error < solution.error * (1.0 - TOLERANCE)
-
-
 def _pushed(context: Context, number: int, slack: float) -> Context:
     """The context with one limit moved by the slack of its logarithm."""
     limits = list(context.problem.limits)
@@ -445,16 +443,32 @@ def error_cut(context: Context, pose: WorstPose, p: Array, space: DesignSpace) -
 
 
 def _anchor(context: Context, q: Array, p: Array) -> Anchor:
-    """Where the tip stands, and how the joints can move without moving it."""
+    """Where the tip stands, and in which directions the joints stay while lengths change."""
     axes = 2 if context.model.arm.flat else 3
     step = 1e-6
     tip = context.search.tip(q[None], p)[0]
     moved = [context.search.tip(q[None] + step * row, p)[0] for row in np.eye(len(q))]
     jacobian = np.stack([(place - tip)[:axes] / step for place in moved], axis=1)
-    null = np.linalg.svd(jacobian)[2][axes:]
-    square = np.vstack([jacobian, null])
+    low, high = climbing_bounds(context.search.arm, context.search.lower, context.search.upper)
+    held = _held_directions(jacobian, (q <= low + _AT_END) | (q >= high - _AT_END))
+    square = np.vstack([jacobian, held])
     side = -1.0 if square.shape[0] == square.shape[1] and np.linalg.det(square) < 0.0 else 1.0
-    return Anchor((float(tip[0]), float(tip[1]), float(tip[2])), tuple(tuple(row) for row in null.tolist()), side)
+    return Anchor((float(tip[0]), float(tip[1]), float(tip[2])), tuple(tuple(row) for row in held.tolist()), side)
+
+
+def _held_directions(jacobian: Array, at_end: NDArray[np.bool_]) -> Array:
+    """The directions (rows) in which a pose stays as lengths change, as many as there are joints to spare: those of
+    joints at an end of their range, which a worst pose presses against, then those that leave the tip where it is."""
+    joints = jacobian.shape[1]
+    held = np.empty((0, joints))
+    for _ in range(joints - len(jacobian)):
+        free = np.linalg.svd(np.vstack([jacobian, held]))[2][len(jacobian) + len(held) :]
+        moving = np.where(at_end & ~held.any(axis=0), np.linalg.norm(free, axis=0), 0.0)
+        joint = int(np.argmax(moving))
+        if moving[joint] == 0.0:
+            return np.vstack([held, free])
+        held = np.vstack([held, np.eye(joints)[joint]])
+    return held
 
 
 def _anchored_again(context: Context, pool: Pool, p: Array) -> Pool:

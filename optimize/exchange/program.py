@@ -49,9 +49,6 @@ ROUNDINGS = (3e-2, 1e-3, 2e-5)
 """Of the corners between drives' zones, one solution after the other, as parts of the load at which a zone ends."""
 _STRAYED = 1e-6
 """A pose that is farther (rad, m) beyond a joint's range is outside it."""
-TURN = 0.5
-"""An anchored pose may turn its joints by this (rad) in one round: further, it could flip to another way of reaching
-its place, with another error."""
 
 
 def ipopt_options() -> dict[str, Any]:
@@ -80,16 +77,15 @@ class Ask:
     """What is asked of a finite problem beside its poses.
 
     `limits` are the problem's with other values. With `push` the limit of that number is made as tight as it can be
-    instead of the objective: its slack is how far it went. `turn` is how far (rad) anchored poses may turn their
-    joints. `within` keeps the design so near (in each of the optimiser's numbers) to another one. `floor` (m) is that
-    of the error rows: about the error itself where it may pass through zero. With `relax` the limits may give way and
-    the least relaxation is sought instead of the objective. With `elastic` the sum of the limits' slacks, each times
-    its number of those, is made least instead; a limit with 0 is kept.
+    instead of the objective: its slack is how far it went. `within` keeps the design so near (in each of the
+    optimiser's numbers) to another one. `floor` (m) is that of the error rows: about the error itself where it may pass
+    through zero. With `relax` the limits may give way and the least relaxation is sought instead of the objective. With
+    `elastic` the sum of the limits' slacks, each times its number of those, is made least instead; a limit with 0 is
+    kept.
     """
 
     limits: Sequence[Limit] | None = None
     push: int | None = None
-    turn: float = TURN
     within: tuple[Array, float | Array] | None = None
     floor: float = 0.0
     relax: bool = False
@@ -106,9 +102,8 @@ class Solution:
 
     `limit_prices` holds a multiplier for each limit of the problem (d objective / d log limit), `bound_prices` those of
     the variables' bounds, `shape_prices` those of the sections' constraints by text. `slacks` are how far each
-    limit (in its logarithm) had to be relaxed, `active` are the poses that hold the solution. `turned`: an anchored
-    pose was held back from turning further, so that another round from here may do better. `strayed`: one that has
-    joints to spare left a joint's range, so that its error may be none of the workspace's.
+    limit (in its logarithm) had to be relaxed, `active` are the poses that hold the solution. `strayed`: one of these
+    left a joint's range, so that its error may be none of the workspace's.
     """
 
     x: Array
@@ -120,7 +115,6 @@ class Solution:
     slacks: tuple[float, ...]
     message: str
     active: Pool
-    turned: bool
     strayed: bool = False
     infeasible: bool = False
     """Found without a design although limits might give way, or broken whatever the design is: more than a failure of
@@ -250,7 +244,7 @@ class Program:
         weights = (0.0, 1.0) if ask.relax else (0.0 if ask.push is not None or ask.elastic is not None else 1.0, 0.0)
         # Sizes that start on a bound leave IPOPT no interior: start a hair inside.
         inside = np.clip(start, lower + _INSIDE * (upper - lower), upper - _INSIDE * (upper - lower))
-        least, most = self._turns(errors, np.array(unknowns), ask.turn)
+        least, most = self._joint_bounds(errors, len(unknowns))
         low, high = self._row_bounds(errors)
         x0 = np.array([*self._among_all(inside), y, *slack, *unknowns])
         p = [*materials, *weights, *pushed, *price, *(limit.value for limit in limits), squared, rounding, *values]
@@ -280,9 +274,8 @@ class Program:
             slacks=tuple(point[size + 1 : size + 1 + count].tolist()),
             active=self._active(multipliers, errors, held),
             message=str(stats["return_status"]),
-            strayed=self._strayed(poses),
+            strayed=self._strayed(poses, multipliers),
             infeasible=broken,
-            turned=bool(np.any((np.abs(poses - unknowns) > 0.999 * ask.turn) & ~self._at_will(errors))),
         )
 
     def _among_all(self, x: Array) -> Array:
@@ -323,24 +316,28 @@ class Program:
         squares = np.exp(np.array(rows).ravel()[self._place["errors"]]) - FLOOR_MM2
         return math.sqrt(max(float(squares.max(initial=0.0)), 0.0)) / MM
 
-    def _turns(self, errors: Sequence[ErrorCut], q: Array, turn: float) -> tuple[Array, Array]:
+    def _joint_bounds(self, errors: Sequence[ErrorCut], count: int) -> tuple[Array, Array]:
         """Bounds of the anchored poses. Without a joint to spare a place is reached within the joints' ranges or not at
         all; an arm that has one may reach it in another way, which the next round finds, unless all that is asked is
         that some way is left."""
-        arm = self.model.arm
-        low, high = climbing_bounds(arm, *joint_box(arm, self.space.problem.workspace))
-        times = len(q) // arm.size
-        low, high = np.tile(low, times), np.tile(high, times)
-        if arm.size > self._axes:
+        size = self.model.arm.size
+        low, high = (np.tile(end, count // size) for end in self._ends)
+        if size > self._axes:
             will = self._at_will(errors)
-            return np.where(will, low, q - turn), np.where(will, high, q + turn)
-        return np.maximum(q - turn, low), np.minimum(q + turn, high)
+            return np.where(will, low, -np.inf), np.where(will, high, np.inf)
+        return low, high
 
-    def _strayed(self, q: Array) -> bool:
-        """Whether one of the anchored poses is outside the joint ranges."""
-        low, high = climbing_bounds(self.model.arm, *joint_box(self.model.arm, self.space.problem.workspace))
+    def _strayed(self, q: Array, multipliers: Array) -> bool:
+        """Whether an anchored pose that holds the solution is outside the joint ranges."""
+        low, high = self._ends
         poses = q.reshape(-1, self.model.arm.size)
-        return bool(np.any((poses < low - _STRAYED) | (poses > high + _STRAYED)))
+        outside = np.any((poses < low - _STRAYED) | (poses > high + _STRAYED), axis=1)
+        return bool(np.any(outside & (np.abs(multipliers[self._place["errors"]])[: len(poses)] > _PRESSING)))
+
+    @property
+    def _ends(self) -> tuple[Array, Array]:
+        """The ends of the joints' ranges."""
+        return climbing_bounds(self.model.arm, *joint_box(self.model.arm, self.space.problem.workspace))
 
     @property
     def _axes(self) -> int:

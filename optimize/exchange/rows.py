@@ -88,11 +88,11 @@ def error_rows(
             if anchored:
                 at = symbol(f"at{number}_{slot}", size)
                 tip = symbol(f"tip{number}_{slot}", 3)
-                null = symbol(f"null{number}_{slot}", size * size)
+                stays = symbol(f"stays{number}_{slot}", size * size)
                 out.unknowns.append(at)
                 side = symbol(f"side{number}_{slot}")
-                out.parameters += [tip, null, side]
-                held, same_side = _anchored(model, design, at, q, tip, null, side)
+                out.parameters += [tip, stays, side]
+                held, same_side = _anchored(model, design, at, q, tip, stays, side)
                 out.equalities += held
                 out.sides.append(same_side)
             outputs = case.function(at, column)
@@ -108,16 +108,16 @@ def error_rows(
 
 
 def _anchored(
-    model: ErrorModel, design: DesignExpressions, at: Any, q: Any, tip: Any, null: Any, side: Any
+    model: ErrorModel, design: DesignExpressions, at: Any, q: Any, tip: Any, stays: Any, side: Any
 ) -> tuple[list[Any], Any]:
-    """The pose moves with the lengths so that its tip stays where it is, not along its null space, and not over to the
-    other side of a singular pose: the equalities, and what must not be above zero."""
+    """The pose moves with the lengths so that its tip stays where it is, not along what holds its joints, and not over
+    to the other side of a singular pose: the equalities, and what must not be above zero."""
     arm = model.arm
     reached = place(arm, [at[k] for k in range(arm.size)], [beam.length for beam in design.beams]).tip()
     axes = 2 if arm.flat else 3
     rows = [ca.SX(reached[axis]) - tip[axis] for axis in range(axes)]
     jacobian = ca.jacobian(ca.vertcat(*rows), at)
-    matrix = ca.reshape(null, arm.size, arm.size)
+    matrix = ca.reshape(stays, arm.size, arm.size)
     free = max(arm.size - axes, 0)
     rows += [ca.dot(matrix[:, k], at - q) for k in range(free)]
     square = ca.vertcat(jacobian, matrix[:, :free].T)
@@ -142,7 +142,7 @@ def error_parameters(model: ErrorModel, cuts: Sequence[ErrorCut], *, anchored: b
         values += [*cut.q, *cut.signs, *cut.shift]
         if anchored:
             assert cut.anchor is not None
-            flat = [value for row in cut.anchor.null for value in row]
+            flat = [value for row in cut.anchor.held for value in row]
             values += [*cut.anchor.tip, *flat, *([0.0] * (size * size - len(flat))), cut.anchor.side]
             unknowns += list(cut.q)
     return values, unknowns
