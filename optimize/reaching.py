@@ -3,8 +3,8 @@
 Lengths spread over what `link_length` and `reach` allow are tried at places of the region, then in smaller and smaller
 neighbourhoods of those that come nearest. Between the given lengths and lengths that reach the region, the start is the
 first that reaches it and a little beyond, so that the arm is not fully stretched there. The start must reach the whole
-region, because the exchange keeps no place that its start misses. Where no lengths within the limits do, the problem is
-infeasible, and lengths beyond the limits that would do are reported.
+region, because the exchange learns from it how each place is reached. Where no lengths within the limits do, the
+problem is infeasible, and lengths beyond the limits that would do are reported.
 """
 
 from __future__ import annotations

@@ -278,8 +278,8 @@ class Exchange:
             try:
                 judged = self._judge(last, solution, chosen, pool, push, worth=give_up_above)
             except Unreachable as missing:
-                # The new lengths miss a place that the start reaches: from now on a pose holds on to it.
-                grown = pool.with_errors(self._reaching(missing.point, start, chosen)) if self._anchors else pool
+                # The new lengths miss a place that the arm as given reaches: from now on a pose holds on to it.
+                grown = pool.with_errors(self._reaching(missing.point)) if self._anchors else pool
                 if grown.size == pool.size:
                     raise
                 pool, last = grown, start
@@ -302,10 +302,10 @@ class Exchange:
         if ask.within is None:
             yield from starting_points(self.space, materials, _OTHER_STARTS)
 
-    def _reaching(self, point: tuple[float, ...], x: Array, chosen: Sequence[Material | None]) -> tuple[ErrorCut, ...]:
-        """A pose of another design with its tip at a point (m); none where that design does not reach it either."""
+    def _reaching(self, point: tuple[float, ...]) -> tuple[ErrorCut, ...]:
+        """A pose of the arm as given with its tip at a point (m); none where that arm does not reach it either."""
         search = self.context.search
-        p = numeric_beams(arm_of(self.space, x, chosen), self.context.problem.load_cases)
+        p = numeric_beams(self.context.problem.arm, self.context.problem.load_cases)
         place = np.array([*point, 0.0][:3])
         used = np.array([1.0, 1.0, float(not self.context.model.arm.flat)])
         starts = search.poses(p, 64)

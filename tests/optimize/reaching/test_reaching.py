@@ -13,6 +13,11 @@ import pytest
 
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.evaluation import evaluate
+from linkwright.core.optimize.choice.combinations import combinations
+from linkwright.core.optimize.exchange.binding_poses import Pool
+from linkwright.core.optimize.exchange.design import arm_of, design_space, material_row, starting_points
+from linkwright.core.optimize.exchange.exchange import Exchange, context_of
+from linkwright.core.optimize.exchange.other_lengths import with_lengths
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.reaching import start_that_reaches
 from linkwright.core.optimize.rounding.options import read_rounding
@@ -44,6 +49,18 @@ def test_free_lengths_reach_all_of_a_box(tmp_path: Path) -> None:
     assert sum(result.arm.lengths) == pytest.approx(np.hypot(0.7, 0.3), rel=1e-6)
     problem = problem_of(tmp_path, REACHING, BOX + LIGHT + ACCURATE)
     assert len(poses_in_region(result, problem)) >= 81**2 - 2  # rounding may take the two corners
+
+
+def test_search_from_lengths_that_miss_the_box_comes_to_some_that_reach_it(tmp_path: Path) -> None:
+    """A place that neither the start nor the first design reaches is reached by the arm as given."""
+    problem = problem_of(tmp_path, REACHING, BOX + LIGHT + ACCURATE)
+    context, pick = context_of(problem), combinations(problem)[0]
+    space, materials = design_space(problem, pick.shapes), material_row(pick.materials, problem)
+    short = with_lengths(space, starting_points(space, materials, 1)[0], [0.3, 0.3])
+    done = Exchange(context, space).run(materials, pick.materials, Pool(), short)
+    assert done is not None
+    assert done.converged
+    assert sum(arm_of(space, done.x, pick.materials).lengths) == pytest.approx(np.hypot(0.7, 0.3), rel=1e-6)
 
 
 SHORT = jointed((375, 375), ranged("-120 120", "-10 150"))
