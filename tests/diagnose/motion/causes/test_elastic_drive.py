@@ -78,11 +78,16 @@ def test_a_gear_that_gives_is_named_with_its_stiffness(arm):
     assert result.rms_held_out < 0.2 * result.rms_before
 
 
+@pytest.fixture(scope="module")
+def behind_the_gear():
+    return log_of(gear=True, seed=6, beyond=True)
+
+
 @pytest.mark.parametrize("rotors", [True, False])
-def test_encoders_behind_a_gear_show_it_by_the_motors_rotor(arm, rotors):
+def test_encoders_behind_a_gear_show_it_by_the_motors_rotor(arm, behind_the_gear, rotors):
     """Whether the arm file says what turns there, or the log alone."""
     arm = arm if rotors else replace(arm, effects=())
-    result = diagnose_motion(arm, [log_of(gear=True, seed=6, beyond=True)])
+    result = diagnose_motion(arm, [behind_the_gear])
     sizes = {(item.effect, item.at): item.parameters[0] for item in result.findings}
     compliance = sizes.pop(("joint_compliance", (2,)))
     assert 1.0 / compliance.value == pytest.approx(STIFFNESS, rel=0.03)
