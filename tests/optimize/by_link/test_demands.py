@@ -74,7 +74,7 @@ def test_nothing_goes_through_what_is_not_closed(tmp_path: Path) -> None:
         assert INNER_SIZE.of_links(arm) == 0.0
 
 
-@pytest.mark.parametrize("many", [False, True])
+@pytest.mark.parametrize("many", slow_but([False, True], True))
 def test_room_for_cables_by_link(many: bool, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     """A light arm of tubes and rods that has to let cables through is of tubes, as wide as they need."""
     if many:
