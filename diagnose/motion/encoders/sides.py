@@ -5,16 +5,13 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.typing import NDArray
-from scipy.stats import t as student
 
 from linkwright.core.arm.effects.torques import direction
 from linkwright.core.diagnose.result import HALF
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
-_PARTS = 20
-"""Stretches of a log by whose scatter the sign of a slope is told."""
+from .serial import residual, rms, serial
 
 
 @dataclass(frozen=True)
@@ -67,11 +64,11 @@ def sides(
         columns = np.column_stack((np.ones(len(speed)), direction(speed), speed, speeding_up, torque[:, joint]))
         sizes = np.linalg.lstsq(columns, apart[:, joint], rcond=None)[0]
         offset[joint] = sizes[0]
-        beside = np.linalg.lstsq(columns[:, :-1], columns[:, -1], rcond=None)[0]
-        push = columns[:, -1] - columns[:, :-1] @ beside
+        push = residual(columns[:, :-1], columns[:, -1])
         left = apart[:, joint] - columns @ sizes
-        explains = 1.0 - _rms(left) / max(_rms(left + sizes[-1] * push), 1e-300)
-        if explains > max(rules.motion.cut, share) and _chance(push, left, float(sizes[-1])) < rules.residual.level:
+        explains = 1.0 - rms(left) / max(rms(left + sizes[-1] * push), 1e-300)
+        chance = serial(columns, left, np.ones(len(left), dtype=bool)).chance(-1, float(sizes[-1]))
+        if explains > max(rules.motion.cut, share) and chance < rules.residual.level:
             share, slope = explains, float(sizes[-1])
     return Sides(offset, slope > 0.0 if share else said, share > 0.0, late, unlike)
 
@@ -89,14 +86,3 @@ def lateness(first: Array, second: Array, load: Array, velocity: Array, *, rules
         return 0.0
     middle = float(np.median(each))
     return middle if np.median(np.abs(np.array(each) - middle)) < HALF * abs(middle) else 0.0
-
-
-def _rms(values: NDArray[np.float64]) -> float:
-    return float(np.sqrt(np.mean(values**2)))
-
-
-def _chance(column: Array, left: Array, size: float) -> float:
-    """How often chance makes the size of a column (N,) as large, by what is left (N,) in parts of a log."""
-    scores = np.array([float(part.sum()) for part in np.array_split(column * left, _PARTS)])
-    spread = float(np.sqrt(np.sum(scores**2))) / max(float(column @ column), 1e-300)
-    return float(2.0 * student.sf(abs(size) / max(spread, 1e-300), _PARTS - 1))
