@@ -184,15 +184,14 @@ def _two_encoders(prepared: Sequence[PreparedLog]) -> bool:
 
 def _between(judge: Judged, identified: Identified, request: Options) -> tuple[Between, ...]:
     """What two encoders at each drive show, by the loads of the arm as it is written."""
-    filed, blocks, start = judge.written, list[NDArray[np.int64]](), 0
+    filed, folds, start = judge.written, list[NDArray[np.int64]](), 0
     for row in filed.rows:
-        blocks.append(row.block + start)
+        folds.append(identified.folds[row.block + start])
         start += int(row.block.max()) + 1
     torques = Torques(
         tuple(row.target - row.explained(filed.sizes) for row in filed.rows),
         tuple(row.prepared.moving for row in filed.rows),
-        tuple(blocks),
-        identified.folds,
+        tuple(folds),
     )
     logs = [row.prepared for row in identified.rows]
     return between_encoders(filed.arm, logs, torques, request.without, rules=request.rules)

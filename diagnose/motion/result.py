@@ -29,18 +29,19 @@ class Alternative:
 
 @dataclass(frozen=True)
 class Apart:
-    """RMS of what is left of the difference of a joint's two encoders on motion held out, `without` a finding and with
-    all of them (`left`), in a `unit`: rad, or m of slides."""
+    """RMS of what an arm leaves of the difference of a joint's two encoders, an offset and a delay of theirs apart: the
+    arm as given (`nominal`) and as it is written (`written`), and on motion held out that with all findings but this
+    one (`without`) and with all (`left`), in a `unit`: rad, or m of slides."""
 
+    nominal: float
+    written: float
     without: float
     left: float
     unit: Literal["rad", "m"]
 
-    @property
-    def words(self) -> tuple[str, str]:
-        """Both figures as people read them."""
-        unit = "mrad" if self.unit == "rad" else "mm"
-        return f"{1e3 * self.without:.3g} {unit}", f"{1e3 * self.left:.3g} {unit}"
+    def words(self, value: float) -> str:
+        """One of the figures as people read it."""
+        return f"{1e3 * value:.3g} {'mrad' if self.unit == 'rad' else 'mm'}"
 
 
 @dataclass(frozen=True)

@@ -105,9 +105,10 @@ def _lacking(
 
 
 def _between_words(finding: MotionFinding) -> str:
-    """How far a joint's two encoders are from each other beside what was found between them."""
-    assert finding.apart is not None
-    left = finding.apart.words[1]
+    """How far a joint's two encoders are from each other beside what the arm file holds."""
+    apart = finding.apart
+    assert apart is not None
+    left = f"{apart.words(apart.left)} of {apart.words(apart.nominal)}"
     return f"Between the two encoders of joint {finding.at[0]}, {left} is left on motion that was not fitted."
 
 

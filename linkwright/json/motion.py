@@ -67,7 +67,11 @@ def _finding(finding: MotionFinding) -> dict[str, Any]:
         "parameters": {fitted.name: parameter_json(fitted) for fitted in finding.parameters},
         **fields(finding, "rms_explained", "rms_without_held_out", "evidence_nats=evidence", "p_value"),
         **fields(finding, "sentence=reading", "small"),
-        **({} if finding.apart is None else {"between_encoders_rms": fields(finding.apart, "without", "left", "unit")}),
+        **(
+            {}
+            if finding.apart is None
+            else {"between_encoders_rms": fields(finding.apart, "nominal", "written", "without", "left", "unit")}
+        ),
     }
 
 

@@ -1,8 +1,9 @@
 """What drives do between an encoder on the motor's side and one on the link's, by the load that they pass on.
 
-The difference of the two follows from the load by the effects of drives (`DriveTraits.by_load`). What is no physics of
-the arm is fitted beside them: an offset in each log, a delay between the two, and what friction behind the gear holds
-back, which goes by the sign of the speed.
+The difference of the two follows from the load by the effects of drives (`DriveTraits.by_load`), which an arm file
+holds. Beside them are fitted an offset in each log and a delay, which are the encoders', and what no entry holds:
+friction behind the gear, which goes by the sign of the speed, and waves of eccentric encoders and gears. What is said
+to be left is what the arm with its entries leaves, offset and delay apart.
 """
 
 from __future__ import annotations
@@ -10,36 +11,41 @@ from __future__ import annotations
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
+from itertools import combinations
 from typing import Any
 
 import numpy as np
 from scipy.optimize import minimize_scalar
-from scipy.stats import t as student
 
 from linkwright.core.arm.chain.chain import Arm, EffectEntry
-from linkwright.core.arm.effects.effect import Effect, Parameter
+from linkwright.core.arm.effects.angles.encoder_eccentricity import ENCODER_ECCENTRICITY
+from linkwright.core.arm.effects.effect import Effect
+from linkwright.core.diagnose.motion.model.entries import with_entries
 from linkwright.core.diagnose.motion.preparation import PreparedLog
 from linkwright.core.diagnose.result import HALF
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
-from .load_rows import JointRows, Logs, Torques, late_shape, of_load, pieces_of
+from .load_rows import JointRows, Logs, Torques, late_shape, of_load
+from .serial import Serial, residual, rms, serial
 
 _NUDGE = 0.01
-"""Of a load and of a delay, by which slopes over them are taken."""
+"""Of a load, by which the slope over it is taken."""
+_STEP = 1e-4
+"""s, by which the slope over a delay is taken."""
 _EXACT = 1e-6
 """s, to which a delay is sought."""
-_ROUNDS = 2
-"""Times that a pattern is taken about how late it is."""
+_WIDTHS = 11
+"""How many standard deviations of waves are tried, each half the one before."""
 _LONGEST = 2.0
 """Times the longest delay on an effect's grid, up to which one is sought."""
 
 
 @dataclass(frozen=True)
 class Cause:
-    """An effect at a joint: `sizes` by name (SI) and how far their 95 % intervals reach, `half`; the RMS (rad, m) of
-    the difference of both encoders that held-out motion leaves `without` it, how often chance makes its size as large
-    (`p_value`), and how much likelier held-out motion is with it, `evidence` (nats)."""
+    """An effect at a joint: `sizes` by name (SI) and how far their 95 % intervals reach, `half`; what the arm with the
+    other causes alone leaves `without` it on held-out motion (RMS, rad, m), how often chance makes any drive's effect
+    as sure (`p_value`), and how much likelier held-out motion is with it, `evidence` (nats)."""
 
     effect: Effect
     sizes: Mapping[str, float]
@@ -51,13 +57,19 @@ class Cause:
 
 @dataclass(frozen=True)
 class Between:
-    """What two encoders at a joint (from 1) show: `causes`, and the RMS (rad, m) of their difference, offset and delay
-    apart, that the arm leaves `before` and, on motion held out, with the causes `after`."""
+    """What two encoders at a joint (from 1) show: `causes`, and the RMS (rad, m) of their difference that an arm leaves
+    once an offset in each log and a delay, by which the link is read `late` (s), are taken out: `before` as given,
+    `after` as written, and `held_out` with sizes of the causes by the other motion. No entry holds what goes round with
+    the joint, `around`, and with the `direction` of its motion (RMS)."""
 
     joint: int
     causes: tuple[Cause, ...]
     before: float
     after: float
+    held_out: float
+    late: float
+    around: float
+    direction: float
 
     @property
     def entries(self) -> tuple[EffectEntry, ...]:
@@ -77,223 +89,208 @@ def between_encoders(
         without: Effects (ids) that are not sought.
         rules: What has a name.
     """
-    effects = [each for each in of_load() if each.id not in without and not _open_shapes(each)]
-    made = Logs(arm, tuple(pieces_of(arm, log) for log in logs), tuple(logs))
+    # Without an open shape nobody knows an effect's pattern in motion.
+    effects = [each for each in of_load() if each.id not in without and all(shape.requires for shape in each.shapes)]
+    made = Logs.of(arm, logs)
     joints = [index for index, joint in enumerate(arm.joints) if joint.driven and not joint.passive]
-    return tuple(_at_joint(_Fits(JointRows(made, torques, index), rules), effects) for index in joints)
-
-
-def _open_shapes(effect: Effect) -> list[Parameter]:
-    """The shapes without which nobody knows its pattern in motion."""
-    return [shape for shape in effect.shapes if not shape.requires]
+    tests = len(joints) * len(effects)
+    return tuple(_at_joint(_Fits(JointRows(made, torques, index), rules, tests), effects) for index in joints)
 
 
 @dataclass(frozen=True)
-class _Set:
-    """Effects fitted at a joint: their sizes `sizes` (E,) of unit patterns, then those of what is no physics; how late
-    they are, s; `waves` says whether what goes round with the joint is among these. Beside them stand the `columns`
-    (R, E + m), and sums of squares `left` (B,) held out and `fitted` in all."""
+class _Fit:
+    """Effects fitted at a joint, the drive `late` s behind its load (None: as the file has it). `columns` (R, K) with
+    `sizes` (K,) are waves, unit patterns of the effects, what a second more of `late` changes where that is sought
+    (these two are `of_arm`), and what belongs to no drive; `ridge` (K,) holds them to standard deviations `width` (K,).
+    `own` (R,) is what the arm itself does, `left` (R,) the rest."""
 
     effects: tuple[Effect, ...]
-    waves: bool
-    late: float
+    late: float | None
     columns: Array
+    width: Array
+    ridge: Array
     sizes: Array
+    of_arm: slice
+    own: Array
     left: Array
-    fitted: float
+
+    def place(self, effect: Effect) -> int:
+        """The column of an effect."""
+        return self.of_arm.start + self.effects.index(effect)
 
 
 @dataclass(frozen=True)
 class _Fits:
-    """What is tried at a joint's rows."""
+    """What is tried at a joint's rows; so many `tests` are made of all drives."""
 
     rows: JointRows
     rules: Rules
+    tests: int
 
-    def fitted(self, effects: tuple[Effect, ...], *, waves: bool = False) -> _Set:
-        """Effects fitted, as late as leaves least."""
-        beside = np.hstack((self.rows.beside, self.rows.waves)) if waves else self.rows.beside
-        shapes = [shape for effect in effects if (shape := late_shape(effect)) is not None]
+    def fitted(self, effects: tuple[Effect, ...]) -> _Fit:
+        """Effects fitted, so late as leaves least where the rows show that."""
+        lags = [shape for effect in effects if (shape := late_shape(effect)) is not None]
+        as_said = self._at(effects, None)
+        if not lags:
+            return as_said
+        best: Any = minimize_scalar(
+            lambda late: float(np.sum(self._at(effects, late, as_said).left ** 2)),
+            bounds=(0.0, _LONGEST * max(lags[0].grid)),
+            method="bounded",
+            options={"xatol": _EXACT},
+        )
+        fit = self._with_slope(self._at(effects, float(best.x)))
+        shown = self._serial(fit).error[fit.of_arm.stop - 1] < self.rules.motion.shown * max(lags[0].typical)
+        return fit if shown else as_said
 
-        def columns(late: float) -> Array:
-            return np.column_stack((*(self.rows.unit(effect, late) for effect in effects), beside))
+    def _at(self, effects: tuple[Effect, ...], late: float | None, like: _Fit | None = None) -> _Fit:
+        waves, own = self.rows.waves, self.rows.of_arm(late)
+        units = [self._unit(effect, late) for effect in effects]
+        columns = np.column_stack((waves, *units, self.rows.instrument, self.rows.direction))
+        values = self.rows.measured - own
+        width, ridge = self._widths(columns, values) if like is None else (like.width, like.ridge)
+        sizes, of_arm = _solved(columns, values, ridge), slice(waves.shape[1], waves.shape[1] + len(effects))
+        return _Fit(effects, late, columns, width, ridge, sizes, of_arm, own, values - columns @ sizes)
 
-        def left(late: float) -> float:
-            return float(np.sum(_left(columns(late), self.rows.apart) ** 2))
-
-        late = shapes[0].default + self.rows.longer if shapes else 0.0
-        if shapes and not self.rows.lags.any():  # of a drive that the file has, the whole lags, not what is added
-            most = _LONGEST * max(shapes[0].grid)
-            best: Any = minimize_scalar(left, bounds=(0.0, most), method="bounded", options={"xatol": _EXACT})
-            late = float(best.x)
-        at = columns(late)
-        sizes = np.asarray(np.linalg.lstsq(at, self.rows.apart, rcond=None)[0], dtype=float)
-        return _Set(
-            effects, waves, late, at, sizes, self._held_out(at), float(np.sum((self.rows.apart - at @ sizes) ** 2))
+    def _with_slope(self, fit: _Fit) -> _Fit:
+        assert fit.late is not None
+        later = self._at(fit.effects, fit.late + _STEP, fit)
+        change = later.own - fit.own + (later.columns - fit.columns)[:, fit.of_arm] @ fit.sizes[fit.of_arm]
+        end = fit.of_arm.stop
+        return replace(
+            fit,
+            columns=np.insert(fit.columns, end, change / _STEP, axis=1),
+            width=np.insert(fit.width, end, 0.0),
+            ridge=np.insert(fit.ridge, end, 0.0),
+            sizes=np.insert(fit.sizes, end, 0.0),
+            of_arm=slice(fit.of_arm.start, end + 1),
         )
 
-    def as_late(self, tried: _Set) -> tuple[_Fits, _Set]:
-        """The same about how late the whole drive is by a set, where the arm's file has it give."""
-        if not self.rows.lags.any():
-            return self, tried
-        slope = float(tried.sizes[len(tried.effects) + self.rows.beside.shape[1] - 1])
-        added = tried.columns[:, : len(tried.effects)] @ tried.sizes[: len(tried.effects)]
-        whole = self.rows.expected + added
-        longer = slope * float(self.rows.expected @ whole) / max(float(whole @ whole), 1e-300)
-        fits = replace(self, rows=replace(self.rows, longer=self.rows.longer + longer))
-        return fits, fits.fitted(tried.effects, waves=tried.waves)
+    def _unit(self, effect: Effect, late: float | None, scale: float = 1.0) -> Array:
+        """The pattern (R,) of a unit of an effect so late, under `scale` times the loads."""
+        entry = EffectEntry(effect.id, (self.rows.joint + 1,), _values(effect, 1.0, late))
+        return self.rows.of_entries([entry], late, scale)
 
-    def _held_out(self, columns: Array) -> Array:
-        """Sums of squares (B,) that fits to the other folds leave."""
-        left, fold = np.zeros(len(self.rows.torques.folds)), self.rows.torques.folds[self.rows.block]
-        for each in np.unique(fold).tolist():
-            out = fold == each
-            sizes = np.linalg.lstsq(columns[~out], self.rows.apart[~out], rcond=None)[0]
-            missed = (self.rows.apart[out] - columns[out] @ sizes) ** 2
-            left += np.bincount(self.rows.block[out], missed, minlength=len(left))
-        return left
+    def _widths(self, columns: Array, values: Array) -> tuple[Array, Array]:
+        """Standard deviations (K,) of the numbers that are known beforehand, and what holds the numbers to these,
+        `ridge` (K,): waves are as large as the rows make likely, and at most as encoders are eccentric (D. J. C.
+        MacKay, Neural Comput. 4 (1992) 415, with the mean over widths)."""
+        count = self.rows.waves.shape[1]
+        width, ridge = np.zeros(columns.shape[1]), np.zeros(columns.shape[1])
+        if count:
+            turned, size, _ = np.linalg.svd(residual(columns[:, count:], columns[:, :count]), full_matrices=False)
+            along, left = turned.T @ values, residual(columns, values)
+            errors = serial(np.hstack((turned, columns[:, count:])), left, self.rows.used).error[:count]
+            noise = np.maximum(errors**2, 1e-300)  # of a joint that stands still nothing is left
+            usual = max(abs(end) for parameter in ENCODER_ECCENTRICITY.sizes for end in parameter.typical)
+            widths = usual * 0.5 ** np.arange(_WIDTHS)
+            variance = noise + np.square(widths[:, None] * size)
+            likely = -0.5 * np.sum(np.log(variance) + along**2 / variance, axis=1)
+            weight = np.exp(likely - likely.max())
+            width[:count] = np.sqrt(np.sum(weight * widths**2) / np.sum(weight))
+            ridge[:count] = np.mean(noise) / width[:count] ** 2
+        return width, ridge
 
-    def rms(self, squares: float) -> float:
-        """The RMS of a sum of squares over all rows."""
-        return float(np.sqrt(squares / max(len(self.rows.block), 1)))
+    def _serial(self, fit: _Fit) -> Serial:
+        return serial(fit.columns, fit.left, self.rows.used, fit.ridge, fit.width)
 
-    def by_unsure_load(self, tried: _Set) -> float:
-        """RMS (rad, m) by which the difference may be off where the load is by what is left of the torque."""
-        more = (self.rows.of_arm(scale=1.0 + _NUDGE) - self.rows.expected) / _NUDGE
-        for effect, size in zip(tried.effects, tried.sizes, strict=False):
-            more += (
-                size * (self.rows.unit(effect, tried.late, 1.0 + _NUDGE) - self.rows.unit(effect, tried.late)) / _NUDGE
-            )
-        load = self.rows.load[self.rows.used]
-        return float(np.sqrt(np.mean(more**2) / np.mean(load**2))) * self.rows.unsure if load.any() else 0.0
+    def held_out(self, fit: _Fit) -> float:
+        """RMS that the arm with the effects leaves, their sizes by the other folds."""
+        values, left = self.rows.measured - fit.own, np.zeros(len(fit.own))
+        for each in np.unique(self.rows.fold).tolist():
+            out = self.rows.fold == each
+            sizes = _solved(fit.columns[~out], values[~out], fit.ridge)
+            left[out] = values[out] - fit.columns[out, fit.of_arm] @ sizes[fit.of_arm]
+        return rms(residual(self.rows.instrument, left))
 
-    def named(self, tried: _Set, beside: _Set) -> bool:
-        """Whether motion held out needs what a set has more than another `beside` it: its last effect, which then has a
-        name, or waves."""
-        # What is left of two encoders is no white noise: it must fall on motion held out by as much as on the rest.
-        squares = ((float(tried.left.sum()), float(beside.left.sum())), (tried.fitted, beside.fitted))
-        if any(self.rms(one) > (1.0 - self.rules.motion.cut) * self.rms(other) for one, other in squares):
+    def needed(self, fit: _Fit, effect: Effect, beside: _Fit) -> bool:
+        """Whether an effect is one that a drive can have, and the set without it, `beside`, leaves more."""
+        size, shape = float(fit.sizes[fit.place(effect)]), late_shape(effect)
+        if rms(fit.left) > (1.0 - self.rules.motion.cut) * rms(beside.left):
             return False
-        if len(tried.effects) == len(beside.effects):
-            return True
-        place = len(tried.effects) - 1
-        size, effect = tried.sizes[place], tried.effects[place]
-        shape = late_shape(effect)
-        if shape is not None and tried.late > (1.0 - _NUDGE) * _LONGEST * max(shape.grid):
+        if self.held_out(fit) > (1.0 - self.rules.motion.gain) * self.held_out(beside):
+            return False
+        if shape is not None and (fit.late or 0.0) > (1.0 - _NUDGE) * _LONGEST * max(shape.grid):
             return False  # no drive lags so long
-        if size < 0.0 and not (
-            effect.sizes[0].lower < 0.0 and self.rows.expected.any()
-        ):  # no drive gives less than nothing
-            return False
-        alone = tried.columns[:, place] - _fit(np.delete(tried.columns, place, 1), tried.columns[:, place])
-        return (
-            self.rms(float(np.sum((size * alone) ** 2))) > self.by_unsure_load(beside)
-            and self._chance(tried, place) < self.rules.residual.level
-        )
+        # No drive gives less than nothing.
+        return size >= 0.0 or (effect.sizes[0].lower < 0.0 and bool(self.rows.of_arm().any()))
 
-    def _chance(self, tried: _Set, place: int) -> float:
-        spread = self.half(tried)[place] / self._quantile
-        return float(2.0 * student.sf(abs(tried.sizes[place]) / max(spread, 1e-300), self._freedom))
+    def chance(self, fit: _Fit, effect: Effect) -> float:
+        """How often chance alone makes any effect of any drive as sure as this one."""
+        place = fit.place(effect)
+        once = self._serial(fit).chance(place, float(fit.sizes[place]), float(HALF * self._unsure(fit)[place]))
+        return 1.0 - (1.0 - once) ** self.tests
 
-    @property
-    def _freedom(self) -> int:
-        return max(len(np.unique(self.rows.block)) - 1, 1)
-
-    @property
-    def _quantile(self) -> float:
-        return float(student.ppf(0.975, self._freedom))
-
-    def half(self, tried: _Set) -> Array:
-        """How far 95 % intervals of the sizes, and last of the lateness, reach: by blocks of time or by the scatter of
-        rows, the wider, and by how well the load's scale is known (`model.intervals`)."""
-        slopes = sum(
-            (
-                size * (self.rows.unit(effect, tried.late * (1.0 + _NUDGE)) - self.rows.unit(effect, tried.late))
-                for effect, size in zip(tried.effects, tried.sizes, strict=False)
-            ),
-            np.zeros(len(self.rows.block)),
-        ) / (_NUDGE * max(tried.late, 1e-9))
-        count, columns = len(tried.effects), np.column_stack((tried.columns, slopes))
-        unit = np.maximum(np.linalg.norm(columns, axis=0), 1e-300)
-        inverse = np.linalg.pinv((columns / unit).T @ (columns / unit))
-        left = self.rows.apart - tried.columns @ tried.sizes
-        scores = np.zeros((int(self.rows.block.max()) + 1, len(unit)))
-        np.add.at(scores, self.rows.block, columns / unit * left[:, None])
-        by_blocks = np.sqrt(np.maximum(np.diagonal(inverse @ scores.T @ scores @ inverse), 0.0))
-        by_rows = np.sqrt(np.maximum(np.diagonal(inverse), 0.0) * np.mean(left**2))
-        spread = np.maximum(by_blocks, by_rows) / unit
-        half = self._quantile * np.append(spread[:count], spread[-1])
-        moved = tried.columns[:, :count] @ tried.sizes[:count]
-        # Patterns from filters, clocks and forms are known no better than this, two standard deviations of it.
-        least = HALF * self.rules.motion.filters
-        half[-1] = np.hypot(half[-1], least * float(np.linalg.norm(moved)) / max(float(np.linalg.norm(slopes)), 1e-300))
-        for place, effect in enumerate(tried.effects):
-            column = tried.columns[:, place]
-            more = (self.rows.unit(effect, tried.late, 1.0 + _NUDGE) - column) / _NUDGE
-            by_load = float(more @ column) / max(float(column @ column), 1e-300)
-            own = least * tried.sizes[place]
-            half[place] = np.hypot(np.hypot(half[place], own), by_load * tried.sizes[place] * self._scale)
-        return half
+    def _unsure(self, fit: _Fit) -> Array:
+        """How far 95 % intervals of the sizes (K,) reach beside noise: patterns from filters, clocks and forms are
+        known no better than two standard deviations of it, and loads by a share."""
+        more = self.rows.of_arm(fit.late, 1.0 + _NUDGE) - fit.own
+        for effect in fit.effects:
+            place = fit.place(effect)
+            more += fit.sizes[place] * (self._unit(effect, fit.late, 1.0 + _NUDGE) - fit.columns[:, place])
+        whole = fit.own + fit.columns[:, fit.of_arm] @ fit.sizes[fit.of_arm]
+        size = np.maximum(np.linalg.norm(fit.columns, axis=0), 1e-300)
+        loads = _solved(fit.columns, more / _NUDGE, fit.ridge) * self._scale
+        return np.asarray(np.hypot(HALF * self.rules.motion.filters * np.linalg.norm(whole) / size, loads))
 
     @cached_property
     def _scale(self) -> float:
         """By which share of itself the load may be off, as a 95 % interval: its part in what the arm leaves of the
         torque, and no less than all of that beside it, for friction and rotors may have taken the load's part."""
-        load = np.where(self.rows.moving, self.rows.load, 0.0)
-        square = max(float(load @ load), 1e-300)
-        part = np.bincount(np.concatenate(self.rows.torques.block), load * self.rows.left)
-        seen = float(np.hypot(part.sum(), self._quantile * np.sqrt(np.sum(part**2)))) / square
-        return max(seen, self.rows.unsure * float(np.sqrt(self.rows.moving.sum() / square)))
+        load, left = self.rows.load[self.rows.moving, None], self.rows.left
+        square = max(float(np.sum(load**2)), 1e-300)
+        part = float(load[:, 0] @ left) / square
+        seen = float(serial(load, left - load[:, 0] * part, self.rows.moving).half[0])
+        return max(float(np.hypot(part, seen)), self.rows.unsure * float(np.sqrt(len(load) / square)))
 
-    def cause(self, tried: _Set, place: int) -> Cause:
-        """An effect of a set as a cause."""
-        effect, half = tried.effects[place], self.half(tried)
-        without = self.fitted(tuple(e for k, e in enumerate(tried.effects) if k != place), waves=tried.waves)
-        size, shape = effect.sizes[0].name, late_shape(effect)
-        sizes, reach = {size: float(tried.sizes[place])}, {size: float(half[place])}
-        if shape is not None and tried.late > half[-1] and not self.rows.lags.any():  # else nothing shows it
-            sizes[shape.name], reach[shape.name] = tried.late, float(half[-1])
-        blocks = len(np.unique(self.rows.block))
-        gain = float(without.left.sum()) / max(float(tried.left.sum()), 1e-300)
-        return Cause(
-            effect,
-            sizes,
-            reach,
-            self.rms(float(without.left.sum())),
-            self._chance(tried, place),
-            0.5 * blocks * float(np.log(gain)),
+    def cause(self, fit: _Fit, effect: Effect, beside: _Fit, p_value: float) -> Cause:
+        """An effect of a set as a cause; `beside` is the set without it."""
+        place, noise, size = fit.place(effect), self._serial(fit), float(fit.sizes[fit.place(effect)])
+        values, half = _values(effect, size, fit.late), np.hypot(noise.half, self._unsure(fit))
+        reach = dict(zip(values, (float(half[at]) for at in (place, fit.of_arm.stop - 1)), strict=False))
+        left = self.held_out(beside)
+        evidence = float(noise.freedom[place] * np.log(left / max(self.held_out(fit), 1e-300)))
+        return Cause(effect, values, reach, left, p_value, evidence)
+
+
+def _values(effect: Effect, size: float, late: float | None) -> dict[str, float]:
+    """An effect's values for an arm file."""
+    shape = late_shape(effect)
+    return {effect.sizes[0].name: size, **({} if shape is None or late is None else {shape.name: late})}
+
+
+def _solved(columns: Array, values: Array, ridge: Array) -> Array:
+    table = np.vstack((columns, np.diag(np.sqrt(ridge))))
+    return np.asarray(np.linalg.lstsq(table, np.append(values, np.zeros(len(ridge))), rcond=None)[0])
+
+
+def _at_joint(fits: _Fits, effects: Sequence[Effect]) -> Between:
+    """The effects of a joint: the set that foretells held-out motion best of those of which each effect is needed."""
+    sets = [frozenset(each) for count in range(len(effects) + 1) for each in combinations(effects, count)]
+    tried = {each: fits.fitted(tuple(effect for effect in effects if effect in each)) for each in sets}
+
+    def p_value(names: frozenset[Effect], name: Effect) -> float:
+        """How often chance makes an effect as sure as the surest of those that may stand in its place."""
+        rest = names - {name}
+        return min(fits.chance(tried[rest | {effect}], effect) for effect in effects if effect not in rest)
+
+    def stands(names: frozenset[Effect]) -> bool:
+        needed = all(fits.needed(tried[names], name, tried[names - {name}]) for name in names)
+        return needed and all(p_value(names, name) < fits.rules.residual.level for name in names)
+
+    best = min(filter(stands, sets), key=lambda names: fits.held_out(tried[names]))
+    fit = tried[best]
+    causes = tuple(fits.cause(fit, each, tried[best - {each}], p_value(best, each)) for each in fit.effects)
+    shown = Between(fits.rows.joint + 1, causes, fits.held_out(tried[sets[0]]), 0.0, fits.held_out(fit), 0.0, 0.0, 0.0)
+    made = fits.rows.made
+    written = replace(fits.rows, made=replace(made, arm=with_entries(made.arm, shown.entries)))
+    instrument, left = written.instrument, written.measured - written.of_arm()
+    around, by_direction = (
+        rms(residual(instrument, columns @ sizes))
+        for columns, sizes in (
+            (written.waves, fit.sizes[: fit.of_arm.start]),
+            (written.direction, fit.sizes[-1:]),
         )
-
-
-def _fit(columns: Array, values: Array) -> Array:
-    return np.asarray(columns @ np.linalg.lstsq(columns, values, rcond=None)[0])
-
-
-def _left(columns: Array, values: Array) -> Array:
-    return values - _fit(columns, values)
-
-
-def _at_joint(joint: _Fits, effects: Sequence[Effect]) -> Between:
-    """The effects that held-out motion needs at a joint, found one after the other; the one that does least goes where
-    another makes it needless."""
-    bare = current = joint.fitted(())
-    while True:
-        rest = [effect for effect in effects if effect not in current.effects]
-        tried = [joint.fitted((*current.effects, effect), waves=current.waves) for effect in rest]
-        tried += [joint.fitted(current.effects, waves=True)] if joint.rows.turns and not current.waves else []
-        better = [each for each in tried if joint.named(each, current)]
-        if not better:
-            break
-        current = min(better, key=lambda each: float(each.left.sum()))
-    for effect in current.effects if len(current.effects) + current.waves > 1 else ():
-        others = tuple(each for each in current.effects if each is not effect)
-        without = joint.fitted(others, waves=current.waves)
-        if not joint.named(joint.fitted((*others, effect), waves=current.waves), without):
-            current = without
-    for _ in range(_ROUNDS):
-        joint, current = joint.as_late(current)
-    # Waves are nothing of the arm that loads show, but they must not stand for what is.
-    causes = tuple(joint.cause(current, place) for place in range(len(current.effects)))
-    return Between(
-        joint.rows.joint + 1, causes, joint.rms(float(bare.left.sum())), joint.rms(float(current.left.sum()))
     )
+    late = -float(np.linalg.lstsq(instrument, left, rcond=None)[0][-1])
+    return replace(shown, after=rms(residual(instrument, left)), late=late, around=around, direction=by_direction)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
 from pathlib import Path
 
@@ -34,11 +34,10 @@ def _finding(arm: Arm, item: Between, cause: Cause, held_out: Sequence[float]) -
         interval = (value - cause.half[name], value + cause.half[name])
         kind = kind_at(parameter, slides=slides)
         parameters.append(FittedParameter(f"{name}_{item.joint}", name, at, kind, value, interval))
-    apart = Apart(cause.without, item.after, "m" if slides else "rad")
-    without, left = apart.words
+    apart = Apart(item.before, item.after, cause.without, item.held_out, "m" if slides else "rad")
     text = (
-        f"{name_of(effect.title, effect.place, at)}: {sized(effect.id, parameters)}. Without it the two encoders of "
-        f"the joint differ by {without} RMS, with it by {left}."
+        f"{name_of(effect.title, effect.place, at)}: {sized(effect.id, parameters)}. Without it the arm leaves "
+        f"{apart.words(apart.without)} RMS between the two encoders of the joint, with it {apart.words(apart.left)}."
     )
     return MotionFinding(
         effect.id,
@@ -60,21 +59,32 @@ def _length(value: float, slides: bool) -> str:
 
 
 def encoder_notes(arm: Arm, prepared: Sequence[PreparedLog], shown: Sequence[Between]) -> tuple[str, ...]:
-    """Of what second encoders are taken to be, how far their zeros are apart, and what nothing explains of them."""
+    """Of what second encoders are taken to be, how far their zeros are apart, and what the arm leaves of them."""
     made = [_of_log(arm, Path(log.log.file).name, log.encoders) for log in prepared if log.encoders is not None]
     made += [
         f"{Path(log.log.file).name}: j columns are not used, because samples are too far apart to tell loads."
         for log in prepared
         if log.encoders is None and log.log.joint_side is not None
     ]
-    if shown:
-        left = [
-            f"{_length(item.after, not arm.joints[item.joint - 1].revolute)} at joint {item.joint}" for item in shown
-        ]
-        made.append(
-            f"The difference of both encoders that nothing explains, on held-out motion: {', '.join(left)} RMS."
-        )
-    return tuple(dict.fromkeys(made))
+    return tuple(dict.fromkeys((*made, *(_remains(arm, shown) if shown else ()))))
+
+
+def _remains(arm: Arm, shown: Sequence[Between]) -> tuple[str, str]:
+    """What the arm as it is written leaves between encoders, and what of that no file can hold."""
+
+    def each(value: Callable[[Between], float]) -> list[str]:
+        return [_length(value(item), not arm.joints[item.joint - 1].revolute) for item in shown]
+
+    pairs = zip(each(lambda item: item.held_out), each(lambda item: item.before), shown, strict=True)
+    left = ", ".join(f"{after} RMS of {before} at joint {item.joint}" for after, before, item in pairs)
+    around, way = (", ".join(each(value)) for value in (lambda item: item.around, lambda item: item.direction))
+    late = ", ".join(f"{1e3 * item.late + 0.0:.2g} ms" for item in shown)
+    return (
+        f"Between both encoders the written arm leaves {left}, on held-out motion. Taken out are an offset and a "
+        f"delay of the link's encoder ({late}).",
+        f"No entry holds what of this goes round with a joint ({around}, joint by joint) and with the direction of "
+        f"its motion ({way}).",
+    )
 
 
 def _of_log(arm: Arm, name: str, encoders: Sides) -> str:

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +14,7 @@ from linkwright.core.arm.chain.statics import PoseState, solve
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.effects.effect import Effect, Parameter, Settings
 from linkwright.core.arm.effects.elastic.elastic_drive import swing
+from linkwright.core.arm.effects.elastic.joint_compliance import drive_retardation
 from linkwright.core.arm.effects.torques import direction
 from linkwright.core.arm.errors.model import beams_of
 from linkwright.core.arm.errors.recorded import seen_by_drives
@@ -25,104 +25,22 @@ from linkwright.core.diagnose.motion.model.entries import with_entries
 from linkwright.core.diagnose.motion.preparation import PreparedLog
 from linkwright.core.sections.numeric import Array
 
-_STEP = 1e-4
-"""s, by which the slope over a delay is taken."""
+from .serial import rms
 
 
 @dataclass(frozen=True)
 class Torques:
-    """What is known of the torques that an arm explains, by log: what it leaves of them `left` (M, n), N*m, and where a
-    joint moves so that this counts, `moving` (M, n). `block` (M,) numbers blocks of time over all logs, of which
-    `folds` (B,) are held out together."""
+    """What is known of the torques that an arm explains, by log: what it leaves of them `left` (M, n), N*m, where a
+    joint moves so that this counts, `moving` (M, n), and in which fold each sample is held out, `fold` (M,)."""
 
     left: tuple[Array, ...]
     moving: tuple[NDArray[np.bool_], ...]
-    block: tuple[NDArray[np.int64], ...]
-    folds: NDArray[np.int64]
+    fold: tuple[NDArray[np.int64], ...]
 
 
 def of_load() -> list[Effect]:
     """The effects that show between two encoders."""
     return [effect for effect in EFFECTS.values() if effect.drive.by_load]
-
-
-@dataclass(frozen=True)
-class Piece:
-    """Samples of a log: the `load` (P, n) N*m that pushes each link towards increasing coordinates, how far it is from
-    its motor, `apart` (P, n), and which of the log's kept samples it holds, where."""
-
-    motion: Motion
-    load: Array
-    apart: Array
-    numbers: NDArray[np.int64]
-    within: NDArray[np.int64]
-
-
-def pieces_of(arm: Arm, log: PreparedLog) -> tuple[Piece, ...]:
-    """A log in pieces, loads by an arm."""
-
-    def made() -> Iterator[Piece]:
-        for part, numbers, within in log.pieces():
-            motion = replace(log.piece(part), arm=with_entries(arm, log.entries))
-            apart = motion.of_links.q - motion.q
-            yield Piece(motion, -torque_stages(motion).load, apart, numbers, within)
-
-    return tuple(made())
-
-
-OfPiece = Callable[[Piece], Array]
-
-
-@dataclass(frozen=True)
-class Logs:
-    """Logs cut into pieces, and the arm whose loads they have."""
-
-    arm: Arm
-    pieces: tuple[tuple[Piece, ...], ...]
-    logs: tuple[PreparedLog, ...]
-
-    @cached_property
-    def state(self) -> PoseState:
-        """The arm at some pose: what drives do goes by their loads alone."""
-        known = without_unknown(self.arm, of_unknown_mass(self.arm))
-        return solve(known, self.logs[0].motion.of_links.q[0].tolist(), beams_of(known))
-
-    @cached_property
-    def own(self) -> tuple[EffectEntry, ...]:
-        """What the arm has of such effects."""
-        automatic = (each.id for each in of_load() if each.automatic and each.id not in self.arm.leave_out)
-        return (
-            *(EffectEntry(effect) for effect in automatic),
-            *(entry for entry in self.arm.effects if EFFECTS[entry.effect].drive.by_load),
-        )
-
-    def filtered(self, of_piece: OfPiece) -> Array:
-        """Values (P, k) of pieces at the kept samples of all logs (M, k), after the low-pass."""
-        return np.concatenate([self._of_log(number, of_piece) for number in range(len(self.logs))])
-
-    def _of_log(self, number: int, of_piece: OfPiece) -> Array:
-        log, parts = self.logs[number], list[Array]()
-        for piece in self.pieces[number]:
-            parts.append(log.filtered(of_piece(piece))[piece.within])
-        return np.concatenate(parts)
-
-    def pattern(
-        self, effect: Effect, joint: int, values: Mapping[str, float], scale: float = 1.0, longer: float = 0.0
-    ) -> OfPiece:
-        """What an effect with values moves a joint (from 0) by, (P, 1), under `scale` times the loads, so much `longer`
-        (s) behind them than the values say."""
-        late = late_shape(effect)
-        settings = Settings((joint,), MappingProxyType(dict(values)))
-
-        def of_piece(piece: Piece) -> Array:
-            loads = scale * piece.load
-            if late is not None:
-                loads = loads.copy()
-                behind = values.get(late.name, late.default) + longer
-                loads[:, joint] = swing(piece.motion, np.zeros(len(loads)), behind, loads[:, joint])
-            return seen_by_drives(self.state, effect, settings, loads)[:, joint : joint + 1]
-
-        return of_piece
 
 
 def late_shape(effect: Effect) -> Parameter | None:
@@ -131,19 +49,76 @@ def late_shape(effect: Effect) -> Parameter | None:
 
 
 @dataclass(frozen=True)
+class Piece:
+    """Samples of a log: the `load` (P, n) N*m that pushes each link towards increasing coordinates, how far it is from
+    its motor, `apart` (P, n), and where the log's kept samples are, `within`."""
+
+    motion: Motion
+    load: Array
+    apart: Array
+    within: NDArray[np.int64]
+
+
+OfPiece = Callable[[Piece], Array]
+
+
+@dataclass(frozen=True)
+class Logs:
+    """Logs cut into pieces, by loads of an arm, and the arm whose drives move."""
+
+    arm: Arm
+    logs: tuple[PreparedLog, ...]
+    pieces: tuple[tuple[Piece, ...], ...]
+
+    @staticmethod
+    def of(arm: Arm, logs: Sequence[PreparedLog]) -> Logs:
+        """Logs by an arm's loads."""
+
+        def made(log: PreparedLog) -> Iterator[Piece]:
+            for part, _, within in log.pieces():
+                motion = replace(log.piece(part), arm=with_entries(arm, log.entries))
+                yield Piece(motion, -torque_stages(motion).load, motion.of_links.q - motion.q, within)
+
+        return Logs(arm, tuple(logs), tuple(tuple(made(log)) for log in logs))
+
+    @cached_property
+    def state(self) -> PoseState:
+        """The arm at some pose: what drives do goes by their loads alone."""
+        known = without_unknown(self.arm, of_unknown_mass(self.arm))
+        return solve(known, self.logs[0].motion.of_links.q[0].tolist(), beams_of(known))
+
+    @cached_property
+    def entries(self) -> tuple[EffectEntry, ...]:
+        """What the arm has of effects between two encoders."""
+        automatic = (each.id for each in of_load() if each.automatic and each.id not in self.arm.leave_out)
+        return (
+            *(EffectEntry(effect) for effect in automatic),
+            *(entry for entry in self.arm.effects if EFFECTS[entry.effect].drive.by_load),
+        )
+
+    def filtered(self, of_piece: OfPiece) -> Array:
+        """Values (P, k) of pieces at the kept samples of all logs (M, k), after the low-pass."""
+        return np.concatenate(
+            [
+                log.filtered(of_piece(piece))[piece.within]
+                for log, pieces in zip(self.logs, self.pieces, strict=True)
+                for piece in pieces
+            ]
+        )
+
+
+@dataclass(frozen=True)
 class JointRows:
-    """A joint (from 0) of logs: M samples are kept of them, of which R count. The arm's own angles are taken to lag
-    their loads `longer` (s) than its file says."""
+    """A joint (from 0) of logs: M samples are kept of them, of which R count."""
 
     made: Logs
     torques: Torques
     joint: int
-    longer: float = 0.0
 
     @cached_property
     def load(self) -> Array:
         """The filtered load (M,), N*m."""
-        return self.made.filtered(lambda piece: piece.load[:, self.joint : self.joint + 1])[:, 0]
+        return self.made.filtered(lambda piece: piece.load[:, [self.joint]])[:, 0]
 
     @cached_property
     def moving(self) -> NDArray[np.bool_]:
@@ -152,13 +127,18 @@ class JointRows:
 
     @cached_property
     def left(self) -> Array:
-        """What the arm leaves of its torque (M,), N*m."""
-        return np.concatenate([each[:, self.joint] for each in self.torques.left])
+        """What the arm leaves of its torque where the joint moves, N*m."""
+        return np.concatenate([each[:, self.joint] for each in self.torques.left])[self.moving]
 
     @cached_property
     def unsure(self) -> float:
         """RMS of what the arm leaves of its torque, by which nobody knows the load, N*m."""
-        return float(np.sqrt(np.mean(self.left[self.moving] ** 2))) if self.moving.any() else 0.0
+        return rms(self.left)
+
+    @cached_property
+    def log(self) -> NDArray[np.int64]:
+        """The log of each sample (M,)."""
+        return np.repeat(np.arange(len(self.made.logs)), [len(log.kept) for log in self.made.logs])
 
     @cached_property
     def used(self) -> NDArray[np.bool_]:
@@ -166,81 +146,69 @@ class JointRows:
         the sign of the load is known, as far as it is."""
         use = np.ones(len(self.load), dtype=bool)
         clock = np.concatenate([log.motion.time[log.kept] for log in self.made.logs])
-        which = np.repeat(np.arange(len(self.made.logs)), [len(log.kept) for log in self.made.logs])
         for number, log in enumerate(self.made.logs):
             ends = [log.motion.time[at] for part in log.stretches for at in (part.start, part.stop - 1)]
             spans = [*log.log.aside, *((end - 1.0 / log.cutoff, end + 1.0 / log.cutoff) for end in ends)]
             for begin, end in spans:
-                use &= ~((which == number) & (clock >= begin) & (clock <= end))
+                use &= ~((self.log == number) & (clock >= begin) & (clock <= end))
         sure = use & (np.abs(self.load) > 2.0 * self.unsure)
         return sure if sure.sum() > 0.5 * use.sum() else use
 
     @cached_property
-    def block(self) -> NDArray[np.int64]:
-        """The block (R,) of each row."""
-        return np.concatenate(self.torques.block)[self.used]
+    def fold(self) -> NDArray[np.int64]:
+        """The fold of each row (R,)."""
+        return np.concatenate(self.torques.fold)[self.used]
 
     @cached_property
-    def expected(self) -> Array:
-        """What the arm itself does between the two (R,), rad (m)."""
-        return self.of_arm()
-
-    def of_arm(self, *, scale: float = 1.0, longer: float = 0.0) -> Array:
-        """The same under `scale` times the loads, its angles so much `longer` (s) behind them."""
-        parts = (
-            self.rows(
-                self.made.pattern(EFFECTS[entry.effect], self.joint, entry.parameters, scale, self.longer + longer)
-            )
-            for entry in self.made.own
-            if not entry.at or self.joint + 1 in entry.at
-        )
-        return sum(parts, np.zeros(len(self.block)))
+    def measured(self) -> Array:
+        """How far the link is from its motor (R,), rad (m)."""
+        return self._rows(lambda piece: piece.apart[:, [self.joint]])[:, 0]
 
     @cached_property
-    def beside(self) -> Array:
-        """What is no physics of the arm (R, L + 2 or 3): an offset in each log, a delay, friction behind the gear, and,
-        where it gives, how much longer its angles lag their loads (s), of which its file may say nothing."""
-
-        def by_speed(piece: Piece) -> Array:
-            speed = piece.motion.velocity[:, self.joint]
-            return np.column_stack((speed, direction(speed)))
-
-        which = np.repeat(np.arange(len(self.made.logs)), [len(log.kept) for log in self.made.logs])
-        offsets = (which[:, None] == np.arange(len(self.made.logs))).astype(float)
-        columns = np.hstack((offsets, self.made.filtered(by_speed)))[self.used]
-        return np.column_stack((columns, self.lags)) if self.lags.any() else columns
+    def instrument(self) -> Array:
+        """What belongs to the encoders (R, L + 1): an offset in each log, and a delay between the two."""
+        offsets = (self.log[self.used, None] == np.arange(len(self.made.logs))).astype(float)
+        return np.hstack((offsets, self._rows(lambda piece: piece.motion.velocity[:, [self.joint]])))
 
     @cached_property
-    def lags(self) -> Array:
-        """What a second changes (R,) by which the arm's own angles lag their loads longer."""
-        return (self.of_arm(longer=_STEP) - self.expected) / _STEP
+    def direction(self) -> Array:
+        """The sign of the speed (R, 1), by which friction behind the gear holds the link back."""
+        return self._rows(lambda piece: direction(piece.motion.velocity[:, [self.joint]]))
 
     @cached_property
     def waves(self) -> Array:
-        """What goes round with the joint once or twice a turn (R, 4), as eccentric encoders and gears do."""
+        """What goes round with the joint once or twice a turn (R, 4), as eccentric encoders and gears do; (R, 0) of a
+        slide."""
 
         def by_angle(piece: Piece) -> Array:
             turn = piece.motion.q[:, self.joint]
             return np.column_stack([wave(order * turn) for order in (1, 2) for wave in (np.sin, np.cos)])
 
-        return self.made.filtered(by_angle)[self.used]
+        return self._rows(by_angle) if self.made.arm.joints[self.joint].revolute else np.zeros((len(self.fold), 0))
 
-    @property
-    def turns(self) -> bool:
-        """Whether the joint turns."""
-        return self.made.arm.joints[self.joint].revolute
+    def of_arm(self, late: float | None = None, scale: float = 1.0) -> Array:
+        """What the arm's drive does between the two (R,), rad (m), as `of_entries`."""
+        return self.of_entries([e for e in self.made.entries if not e.at or self.joint + 1 in e.at], late, scale)
 
-    @cached_property
-    def apart(self) -> Array:
-        """By how much more than the arm says the two differ (R,), rad (m)."""
-        return self.rows(lambda piece: piece.apart[:, self.joint : self.joint + 1]) - self.expected
+    def of_entries(self, entries: Sequence[EffectEntry], late: float | None = None, scale: float = 1.0) -> Array:
+        """What entries do between the two (R,) under `scale` times the loads. Where neither they nor the arm say how
+        late the drive is behind its load, it is so `late` (s; None: as an effect takes it)."""
+        said = drive_retardation(self.made.arm, self.joint)
+        behind = late if said is None else said
 
-    def rows(self, of_piece: OfPiece) -> Array:
-        """One column of pieces at the rows (R,)."""
-        return self.made.filtered(of_piece)[self.used, 0]
+        def of_piece(piece: Piece) -> Array:
+            moved = np.zeros((len(piece.load), 1))
+            for entry in entries:
+                effect, loads = EFFECTS[entry.effect], scale * piece.load
+                if (shape := late_shape(effect)) is not None:
+                    lag = entry.parameters.get(shape.name, shape.default if behind is None else behind)
+                    loads[:, self.joint] = swing(piece.motion, np.zeros(len(loads)), lag, loads[:, self.joint])
+                settings = Settings((self.joint,), entry.parameters)
+                moved += seen_by_drives(self.made.state, effect, settings, loads)[:, [self.joint]]
+            return moved
 
-    def unit(self, effect: Effect, late: float, scale: float = 1.0) -> Array:
-        """The pattern (R,) of a unit of an effect so late, under `scale` times the loads."""
-        shape = late_shape(effect)
-        values = {effect.sizes[0].name: 1.0, **({} if shape is None else {shape.name: late})}
-        return self.rows(self.made.pattern(effect, self.joint, values, scale))
+        return self._rows(of_piece)[:, 0]
+
+    def _rows(self, of_piece: OfPiece) -> Array:
+        """Columns of pieces at the rows (R, k)."""
+        return self.made.filtered(of_piece)[self.used]

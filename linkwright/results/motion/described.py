@@ -263,7 +263,7 @@ def _rest(diagnosis: MotionDiagnosis, finding: MotionFinding) -> list[Cell]:
     """What a finding adds, at the joint where that is most, and what speaks for it."""
     if finding.apart is not None:
         chance = [number(finding.evidence, 3), by_draws(finding.p_value, finding.draws)]
-        return [f"{finding.apart.words[0]} between encoders", *chance]
+        return [f"{finding.apart.words(finding.apart.without)} between encoders", *chance]
     known = [k for k, item in enumerate(finding.rms_explained) if math.isfinite(item)]
     most = max(known, key=lambda k: finding.rms_explained[k])
     adds = torque(finding.rms_explained[most], torque_unit(diagnosis.arm, most + 1)).text
