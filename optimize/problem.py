@@ -36,7 +36,7 @@ from linkwright.core.units.reading import Mapping, load_yaml
 
 from .balance.balance import Balance
 from .balance.motor_places import MotorChoice, read_motor_places
-from .balance.read import check_balances, read_balances
+from .balance.read import read_balances
 from .base.read import BaseSpans, read_base
 from .exchange.cycles import check_cycles, space_of_cycles
 from .reading.called import PROBLEM_CALLED
@@ -216,7 +216,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         if "size" in same:
             ranges = shared_ranges(mapping, ranges)
         uncertain = read_uncertain(mapping, _as_driven(arm, actuators), cases, materials or ())
-        arm, base, balances, motors = _placed(mapping, arm, workspace, frozenset(limit.name for limit in limits))
+        arm, base, balances, motors = _placed(mapping, arm, workspace)
     problem = Problem(
         file=str(mapping.file),
         arm=arm,
@@ -245,7 +245,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
 
 
 def _placed(
-    mapping: Mapping, arm: Arm, workspace: Workspace, limited: frozenset[str]
+    mapping: Mapping, arm: Arm, workspace: Workspace
 ) -> tuple[Arm, BaseSpans | None, tuple[Balance, ...], tuple[MotorChoice, ...]]:
     """The arm with what may balance it, where its base may stand, and where its motors may sit."""
     if not mapping.has("choose"):
@@ -254,7 +254,6 @@ def _placed(
     base = read_base(choose, arm, workspace)
     arm, balances = read_balances(choose, arm)
     motors = read_motor_places(choose, arm)
-    check_balances(choose, balances, limited)
     return arm, base, balances, motors
 
 

@@ -2,15 +2,15 @@
 
 Every link is cut into segments; unit forces at their ends, through the same effects as the tip's error, give the
 compliance matrix F; masses sit at the same points, the links' own by Simpson's rule, a rigid link's at its centre of
-mass. The first frequency belongs to the largest eigenvalue of F M: 1/omega^2 = max of (M phi)' F (M phi) / phi' M phi
-(Rayleigh). Drives count with their stiffness, that of the softest zone; rotary inertia is left out, as it is small for
-bending.
+mass. What stands off a link (a counterweight, the payload in a tool) sits at the end of a rigid offset. The first
+frequency belongs to the largest eigenvalue of F M: 1/omega^2 = max of (M phi)' F (M phi) / phi' M phi (Rayleigh).
+Drives count with their stiffness, that of the softest zone; rotary inertia is left out, as it is small for bending.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import reduce
 from typing import Any, Literal
@@ -18,12 +18,25 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from linkwright.core.arm.chain.acting import masses_on
+from linkwright.core.arm.chain.balance import End, PointMass
 from linkwright.core.arm.chain.beam import QUARTERS, Beam
 from linkwright.core.arm.chain.branches import ways
-from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.chain.chain import Arm, FloatVector, Joint, Link, LoadCase
 from linkwright.core.arm.chain.kinematics import Frames, place, section_directions
 from linkwright.core.arm.chain.statics import run_out, solve
-from linkwright.core.arm.chain.vectors import IDENTITY, ZERO, Scalar, Vector, add, cross, minus, times
+from linkwright.core.arm.chain.vectors import (
+    IDENTITY,
+    ZERO,
+    Scalar,
+    Vector,
+    add,
+    cross,
+    minus,
+    norm,
+    times,
+    unit,
+)
 from linkwright.core.arm.effects import EFFECTS, Settings
 from linkwright.core.arm.errors.tip import ActiveEffect, active_effects, displacements
 from linkwright.core.sections.numeric import Array
@@ -33,7 +46,8 @@ SEGMENTS = QUARTERS
 _SIMPSON = (1.0 / 12.0, 4.0 / 12.0, 2.0 / 12.0, 4.0 / 12.0, 1.0 / 12.0)
 
 
-SegmentKind = Literal["head", "part", "before", "after"]
+SegmentKind = Literal["head", "part", "before", "after", "offset", "counterweight"]
+_OFFSETS = ("offset", "counterweight")
 
 
 @dataclass(frozen=True)
@@ -51,68 +65,132 @@ class SegmentedArm:
     """An arm whose links are cut into segments; `owner` gives each segment's link, `effects` its elastic physics.
 
     `kinds` says what each segment is: a `part` of an elastic link, or of a rigid one the stretch `before` its centre of
-    mass and the one `after` it; or a `head` without length, for the mass of a joint that a slide or an offset sets
-    apart from the end of the link before. `before` gives the segment on which each link stands, none for the first.
-    `whole` is the arm before it was cut, `ways` the serial arms in segments that it is: one to each tip.
+    mass and the one `after` it; a `head` without length, for the mass of a joint that a slide or an offset sets
+    apart from the end of the link before; an `offset`, rigid and weightless, to a mass that stands off the link, back
+    from there, or to the tip of a tool; the same along the link to a `counterweight` whose place is chosen. `lengths`
+    are those of offsets (m), 0 for all else, `hung` what sits at a segment's far end: which of the masses on its link.
+    `before` gives the segment on which each link stands, none for the first. `whole` is the arm before it was cut,
+    `ways` the serial arms in segments that it is: one to each tip.
     """
 
     whole: Arm
     ways: tuple[CutWay, ...]
     owner: tuple[int, ...]
     kinds: tuple[SegmentKind, ...]
+    lengths: tuple[float, ...]
+    hung: tuple[int | None, ...]
     before: tuple[int | None, ...]
     effects: tuple[ActiveEffect, ...]
+
+
+@dataclass(frozen=True)
+class _Piece:
+    """What becomes one segment: a stretch of the link or, with a `vector` (m, in the link's frame), an offset from it;
+    `mass` is which of the masses on the link sits at its far end."""
+
+    kind: SegmentKind
+    vector: FloatVector = ZERO
+    mass: int | None = None
 
 
 def segmented(arm: Arm) -> SegmentedArm:
     """The arm in segments, weightless, with the elastic physics of its model (bending and slopes always)."""
     owner: list[int] = []
-    kinds: list[SegmentKind] = []
+    pieces: list[_Piece] = []
     before: list[int | None] = [None] * arm.size
     cuts: list[CutWay] = []
     for way in ways(arm):
-        serial, cut, kind = _cut(way.arm)
+        serial, cut, made = _cut(way.arm)
         shared = cut.index(way.shared) if way.shared < way.arm.size else len(cut)
         first = shared if cuts else 0
         nodes = (*range(first), *range(len(owner), len(owner) + len(cut) - first))
         owner += [way.joints[item] for item in cut[first:]]
-        kinds += kind[first:]
+        pieces += made[first:]
         for link in range(1, way.arm.size):
             before[way.joints[link]] = nodes[cut.index(link) - 1]
         cuts.append(CutWay(serial, nodes, shared))
     active = {effect.effect.id for effect in active_effects(arm)}
     elastic = [item for item in EFFECTS.values() if item.link.flexible and item.automatic]
     effects = tuple(ActiveEffect(item, Settings()) for item in elastic if item.link.in_modes or item.id in active)
-    return SegmentedArm(arm, tuple(cuts), tuple(owner), tuple(kinds), tuple(before), effects)
+    return SegmentedArm(
+        arm,
+        tuple(cuts),
+        tuple(owner),
+        tuple(piece.kind for piece in pieces),
+        tuple(norm(piece.vector) for piece in pieces),
+        tuple(piece.mass for piece in pieces),
+        tuple(before),
+        effects,
+    )
 
 
-def _cut(arm: Arm) -> tuple[Arm, list[int], list[SegmentKind]]:
-    """A serial arm in segments, with the link and the kind of each."""
+def _cut(arm: Arm) -> tuple[Arm, list[int], list[_Piece]]:
+    """A serial arm in segments, with the link of each and what it is."""
     joints: list[Joint] = []
     links: list[Link] = []
     owner: list[int] = []
-    kinds: list[SegmentKind] = []
+    pieces: list[_Piece] = []
     for index, (joint, link) in enumerate(zip(arm.joints, arm.links, strict=True)):
-        segments: list[SegmentKind] = ["part"] * SEGMENTS if link.elastic else ["before", "after"]
+        stretches = [_Piece("part")] * SEGMENTS if link.elastic else [_Piece("before"), _Piece("after")]
+        height, width = section_directions(link, joint)
+        axes = (link.direction, height, width)
+        body = [*_offsets(link, axes, "joint"), *stretches, *_offsets(link, axes, "end")]
         if joint.mass and (not joint.revolute or any(joint.origin_translation)):
-            segments.insert(0, "head")
-        pieces = len(segments)
-        kinds += segments
-        height, _ = section_directions(link, joint)
+            body.insert(0, _Piece("head"))
+        tool = [_Piece("offset", arm.tool)] if index == arm.size - 1 and any(arm.tool) else []
         axis = joint.axis if joint.revolute else (0.0, 0.0, 1.0)
         starts = {link: owner.index(link) for link in range(index)}
         follows = None if joint.follows is None else joint.follows.moved(starts)
         if link.runs_out:
             joint = replace(joint, zero=0.0)  # its segments are as long as it has run out
-        joints.append(replace(joint, spans=pieces, zones=(), counterbalance=None, follows=follows))
-        joints += [Joint(axis=axis, range=(0.0, 0.0))] * (pieces - 1)
-        piece = replace(link, length=link.length / pieces, end_rotation=IDENTITY, height_direction=height, masses=())
-        piece = replace(piece, runs_out=False, flange=None, compliance=None)
-        last = replace(piece, end_rotation=link.end_rotation, flange=link.flange, compliance=link.compliance)
-        links += [piece] * (pieces - 1) + [last]
-        owner += [index] * pieces
-    whole = replace(arm, joints=tuple(joints), links=tuple(links), gravity=ZERO, payload=LoadCase(), effects=())
-    return whole, owner, kinds
+        count = len(body) + len(tool)
+        joints.append(replace(joint, spans=count, zones=(), counterbalance=None, follows=follows))
+        joints += [Joint(axis=axis, range=(0.0, 0.0))] * (count - 1)
+        plain = replace(link, end_rotation=IDENTITY, masses=(), runs_out=False, flange=None, compliance=None)
+        stretch = replace(plain, length=link.length / len(stretches), height_direction=height)
+        made = [_offset(plain, piece.vector) if piece.kind in _OFFSETS else stretch for piece in body]
+        last = max(number for number, piece in enumerate(body) if piece.kind not in _OFFSETS)
+        made[last] = replace(stretch, flange=link.flange, compliance=link.compliance)
+        made[-1] = replace(made[-1], end_rotation=link.end_rotation)
+        links += made + [_offset(plain, piece.vector) for piece in tool]
+        pieces += body + tool
+        owner += [index] * count
+    whole = replace(
+        arm, joints=tuple(joints), links=tuple(links), gravity=ZERO, payload=LoadCase(), effects=(), tool=ZERO
+    )
+    return whole, owner, pieces
+
+
+def _offsets(link: Link, axes: Sequence[FloatVector], end: End) -> list[_Piece]:
+    """The offsets from one end of a link to each mass that stands off it, and back; `axes` are the directions along the
+    link, its section's height and its width."""
+    made: list[_Piece] = []
+    for number, mass in enumerate(link.masses):
+        if mass.on != end or not _stands_off(mass):
+            continue
+        along, height, width = mass.at
+        if mass.chosen:
+            across = _vector(axes, (0.0, height, width))
+            steps = [_Piece("counterweight", link.direction), *([_Piece("offset", across)] if any(across) else [])]
+        else:
+            steps = [_Piece("offset", _vector(axes, (along, height, width)))]
+        made += [*steps[:-1], replace(steps[-1], mass=number)]
+        made += [replace(step, vector=_vector([step.vector], (-1.0,))) for step in reversed(steps)]
+    return made
+
+
+def _vector(axes: Sequence[FloatVector], parts: Sequence[float]) -> FloatVector:
+    x, y, z = (sum(part * axis[k] for part, axis in zip(parts, axes, strict=True)) for k in range(3))
+    return x, y, z
+
+
+def _stands_off(mass: PointMass) -> bool:
+    return mass.chosen or any(mass.at)
+
+
+def _offset(link: Link, vector: FloatVector) -> Link:
+    """A stretch of a link along another direction; its length is its beam's."""
+    return replace(link, direction=unit(vector), height_direction=None)
 
 
 def segment_coordinates(arm: SegmentedArm, q: Sequence[Scalar]) -> list[Scalar]:
@@ -130,13 +208,15 @@ def segment_beams(arm: SegmentedArm, beams: Sequence[Beam]) -> list[Beam]:
     results: list[Beam] = []
     for index, (owner, kind) in enumerate(zip(arm.owner, arm.kinds, strict=True)):
         number = sum(1 for k in range(index) if arm.owner[k] == owner and arm.kinds[k] == "part")
-        results.append(_segment(beams[owner], kind, number))
+        results.append(Beam(length=arm.lengths[index]) if kind == "offset" else _segment(beams[owner], kind, number))
     return results
 
 
 def _segment(beam: Beam, kind: SegmentKind, number: int) -> Beam:
     if kind == "head":
         return Beam(length=0.0)
+    if kind == "counterweight":
+        return Beam(length=beam.counterweight_at)
     if kind == "part" and beam.taper.parts:
         part = beam.taper.parts[number]
         rigidities = {name: times(ratio, getattr(beam, name)) for name, ratio in part.rigidities.items()}
@@ -152,15 +232,21 @@ def node_masses(arm: Arm, segments: SegmentedArm, beams: Sequence[Beam], payload
     """The masses (kg) that move with the segments' far ends: links by Simpson's rule, joints, the payload of each tip.
     Links that run out of a sleeve count as if they had done so whole: elsewhere the arm is no slower than that."""
     masses: list[Scalar] = [0.0] * len(segments.owner)
+    hung = [masses_on(link.masses, beam) for link, beam in zip(arm.links, beams, strict=True)]
+    for node, (owner, number) in enumerate(zip(segments.owner, segments.hung, strict=True)):
+        if number is not None:
+            masses[node] = masses[node] + hung[owner][number].mass
     for index, beam in enumerate(beams):
-        nodes = [k for k, owner in enumerate(segments.owner) if owner == index]
+        nodes = [k for k, owner in enumerate(segments.owner) if owner == index and segments.kinds[k] not in _OFFSETS]
         start = segments.before[index]
         if segments.kinds[nodes[0]] == "head":
             start = nodes.pop(0)
         if start is not None:
             masses[start] = masses[start] + arm.joints[index].mass
-        for node, mass in _hung(arm.links[index], beam, start, nodes):
-            masses[node] = masses[node] + mass
+        for mass in hung[index]:
+            node = nodes[-1] if mass.on == "end" else start
+            if node is not None and not _stands_off(mass):
+                masses[node] = masses[node] + mass.mass
         if arm.links[index].compliance is not None:
             # Nobody knows how it moves between its ends: at these its mass makes the arm no faster than it is.
             share = times(beam.lumped_mass, beam.lumped_at / beam.length)
@@ -179,36 +265,6 @@ def node_masses(arm: Arm, segments: SegmentedArm, beams: Sequence[Beam], payload
     for way, payload in zip(segments.ways, payloads, strict=True):
         masses[way.nodes[-1]] = masses[way.nodes[-1]] + payload
     return masses
-
-
-def _hung(link: Link, beam: Beam, start: int | None, nodes: Sequence[int]) -> Iterator[tuple[int, Scalar]]:
-    """What hangs on a link, as masses at the nodes along it.
-
-    A mass at the joint's end keeps its moment of inertia about the joint: part of it sits at a node at least as far out
-    (a counterweight's on the other side), the rest at the joint. One at the far end sits there.
-    """
-    elastic = link.elastic
-    centre = link.length / 2.0 if link.center_of_mass is None else link.center_of_mass
-    shares = [(k + 1) / len(nodes) for k in range(len(nodes))]
-    if not elastic:
-        shares = [centre / link.length if link.length else 0.0, 1.0]
-    for item in link.masses:
-        away = math.hypot(*item.at)
-        mass: Scalar = beam.counterweight if item.chosen else item.mass
-        if item.on == "end":
-            yield nodes[-1], item.mass
-            continue
-        far = [k for k, share in enumerate(shares) if share * link.length >= away > 0.0]
-        if away == 0.0 or link.length == 0.0:
-            part: Scalar = 0.0
-        else:
-            k = far[0] if far else len(nodes) - 1
-            reach = times(shares[k], beam.length)
-            part = mass * away**2 / (reach * reach)
-            yield nodes[k], part
-        if start is not None:
-            # A mass beyond the far end counts by more than itself there, and no less at the joint.
-            yield start, (mass if not far and away > 0.0 else mass - part)
 
 
 def response(
@@ -316,8 +372,8 @@ def first_modes(arm: Arm, beams: Sequence[Beam], payload: float | Sequence[float
     """The first bending frequency and mode at poses q (N, n) with a payload (kg) at the tip, or one at each of the tips
     of several arms on one torso, which swing together.
 
-    The tool's offset beyond the last link counts as rigid and massless but for the payload, which sits at the last
-    link's end. Where nothing gives, the frequency is infinite.
+    The tool's offset beyond the last link counts as rigid and massless but for the payload at its tip. Where nothing
+    gives, the frequency is infinite.
     """
     segments = segmented(arm)
     root = np.sqrt(coordinate_masses(arm, segments, beams, _each(payload)))

@@ -5,14 +5,13 @@ from __future__ import annotations
 from collections.abc import Mapping as MappingLike
 from dataclasses import replace
 from types import MappingProxyType
-from typing import cast
 
 from linkwright.core.arm.chain.balance import IdealCounterbalance, PointMass, SpringCounterbalance
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.units.quantities import shown
 from linkwright.core.units.reading import Mapping
 
-from .balance import Balance, Field
+from .balance import Balance
 
 _KINDS: MappingLike[str, str] = MappingProxyType(
     {"torque": "torque", "stiffness": "linear_stiffness", "preload": "force"}
@@ -105,11 +104,3 @@ def _number(body: Mapping, name: str, most: int) -> int:
     if isinstance(raw, bool) or not isinstance(raw, int) or not 1 <= raw <= most:
         raise body.error(name, f"is the number of a {name}, 1 to {most}, not {shown(raw)}")
     return raw - 1
-
-
-def check_balances(choose: Mapping, balances: tuple[Balance, ...], limited: frozenset[str]) -> None:
-    """What does not go with them, one line each; `limited` are the figures that the problem limits."""
-    places = {balance.place + 1 for balance in balances if balance.field == cast(Field, "counterweight_at")}
-    if places and "first_frequency" in limited:
-        message = f"link {min(places)}'s has a range of places, and first_frequency is limited"
-        raise choose.error("counterweight", f"{message}; give it one place, e.g. at: -300 mm")

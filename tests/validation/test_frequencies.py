@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 
+from linkwright.core.arm.chain.balance import PointMass
 from linkwright.core.arm.chain.beam import Beam
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
+from linkwright.core.arm.chain.vectors import from_roll_pitch_yaw
 from linkwright.core.arm.limits.modes import first_modes
 from linkwright.core.materials.catalogue import load_catalogue
 from linkwright.core.sections import build
@@ -74,6 +77,29 @@ def test_motor_beside_the_end_of_a_link_swings_at_its_own_distance() -> None:
     beams = (Beam(0.5), Beam(0.3))
     result = first_modes(arm, beams, 0.0, np.zeros((1, 2))).frequency[0]
     assert result == pytest.approx(math.sqrt(5e4 / (10.0 * 0.7**2)) / (2.0 * math.pi), rel=1e-9)
+
+
+@pytest.mark.parametrize("away", [(0.2, 0.0, 0.0), (-0.1, 0.15, 0.0), (0.0, -0.3, 0.0)])
+def test_what_stands_off_a_link_swings_at_its_own_distance(away: tuple[float, float, float]) -> None:
+    """omega^2 = K / (m r^2) of a payload in a tool, and of masses off either end of a link, about a drive that gives;
+    across the plane nothing does."""
+    drive = (Joint(stiffness=5e4),)
+
+    def frequency(link: Link, payload: float = 0.0, **more: Any) -> float:
+        arm = Arm("offset", drive, (link,), **more)
+        return float(first_modes(arm, (Beam(0.5),), payload, np.zeros((1, 1))).frequency[0])
+
+    def expected(x: float, y: float) -> float:
+        return math.sqrt(5e4 / (8.0 * (x**2 + y**2))) / (2.0 * math.pi)
+
+    beyond, near = expected(0.5 + away[0], away[1]), expected(away[0], away[1])
+    assert frequency(Link(0.5, mass=0.0), 8.0, tool=away) == pytest.approx(beyond, rel=1e-9)
+    hung, housed = PointMass(8.0, away, "end"), PointMass(8.0, away, "joint")
+    assert frequency(Link(0.5, mass=0.0, masses=(hung,))) == pytest.approx(beyond, rel=1e-9)
+    assert frequency(Link(0.5, mass=0.0, masses=(housed,))) == pytest.approx(near, rel=1e-9)
+    # A tool at the end of a link that turns at its end.
+    bent = Link(0.5, mass=0.0, end_rotation=from_roll_pitch_yaw(0.0, 0.0, 0.5 * math.pi))
+    assert frequency(bent, 8.0, tool=away) == pytest.approx(expected(0.5 - away[1], away[0]), rel=1e-9)
 
 
 def test_without_anything_that_gives_the_frequency_is_infinite() -> None:
