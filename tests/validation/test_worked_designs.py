@@ -79,8 +79,8 @@ def five_axis(drives: Sequence[str]) -> Problem:
 def test_the_drives_of_the_five_axis_arm_bear_its_cycle() -> None:
     """MuJoCo has the torques of the arm that is the answer, with what it carries at each instant."""
     result = optimise(five_axis(FIVE_AXIS))
-    assert result.objective == pytest.approx(34.15, abs=0.01)
-    assert {limit.name for limit in result.binding} == {"max_error", "thickness", "section_size"}
+    assert result.objective == pytest.approx(33.015, abs=0.005)
+    assert {limit.name for limit in result.binding} == {"max_error", "thickness"}
     (cycle,) = cycles_of(five_axis(FIVE_AXIS).load_cases)
     rods = [replace(link, section=None, material=None) if link.elastic else link for link in result.arm.links]
     links = tuple(replace(rod, mass=mass) for rod, mass in zip(rods, result.after.link_masses, strict=True))
@@ -99,7 +99,7 @@ def test_the_drives_of_the_five_axis_arm_bear_its_cycle() -> None:
     assert uses.max() <= 1.0
     np.testing.assert_allclose(drive_torques(cycle.motion(rigid)), torque, atol=1e-6)
     # Links swing on gears that give, which takes a few hundredths more.
-    assert FIGURES["motion_use"].value(result.after) == pytest.approx(0.916, abs=1e-3)
+    assert FIGURES["motion_use"].value(result.after) == pytest.approx(0.915, abs=1e-3)
 
 
 NEXT = [(0, 25), (0, 40), (1, 32), (1, 45), (2, 20), (2, 32), (3, 17), (4, 17)]
@@ -111,6 +111,6 @@ def test_no_next_size_of_a_drive_makes_the_five_axis_arm_lighter(change: tuple[i
     drives = [*FIVE_AXIS]
     drives[joint] = f"CSG-{size}-100-2UH"
     try:
-        assert optimise(five_axis(drives)).objective > 34.15
+        assert optimise(five_axis(drives)).objective > 33.02
     except NoAnswer:
         assert size < int(FIVE_AXIS[joint][4:6])
