@@ -77,6 +77,12 @@ def _check_errors(mapping: Mapping, problem: Problem) -> None:
     if problem.workspace.error != "whole" and of_cases:
         message = f"holds for the whole error, and the workspace counts that {problem.workspace.error} the path"
         raise mapping.error("load_cases", f"subject_to {message}; leave one out")
+    if problem.uncertain is not None and of_cases:
+        message = "goes with one max_error for all load cases and points, which alone holds for all that may be"
+        raise mapping.error("uncertain", f"{message}; write it in subject_to in place of those of single ones")
+    if problem.uncertain is not None and problem.minimize != "max_error" and not problem.limit("max_error"):
+        message = "counts in max_error alone, which is neither minimised nor limited"
+        raise mapping.error("uncertain", f"{message}; add subject_to: {{max_error: ...}}")
     if problem.must_reach and any(limit.name.startswith("max_error at point") for limit in problem.limits):
         message = "has a max_error of a point, which goes with links whose length stays"
         raise mapping.error("workspace.points", f"{message}; limit max_error for all of them in subject_to")

@@ -191,7 +191,7 @@ def _result(
         lower_bound=min(choice.exchanged.solution.error, objective)
         if by_error
         else problem.objective.badness(choice.objective),
-        binding=binding_limits(problem, choice, after),
+        binding=binding_limits(context.problem, choice, after),
         iterations=choice.history,
         candidates=in_figure(choice.candidates, figure),
         exhaustive=choice.exhaustive,

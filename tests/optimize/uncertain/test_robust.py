@@ -96,6 +96,19 @@ def test_lightest_bar_keeps_its_error_however_soft_it_is(tmp_path: Path) -> None
     assert told.nominal_design.value == pytest.approx(bar_error(thin, 0.9, 0.8), rel=1e-3)
 
 
+def test_thinnest_bar_keeps_its_error_however_soft_it_is(tmp_path: Path) -> None:
+    """The same bar, by another figure than a sum."""
+    result, _ = robust(
+        tmp_path,
+        BAR,
+        "minimize: section_height\nrobust: worst\nuncertain: {elastic_modulus: 10 %, stiffness: 20 %}\n"
+        "subject_to: {max_error: '<= 1.2 mm', section_size: [10 mm, 100 mm]}\n",
+    )
+    thick = brentq(lambda d: bar_error(d, 0.9, 0.8) - 1.2e-3, 0.01, 0.05)
+    assert result.objective == pytest.approx(thick, rel=1e-4)
+    assert [limit.name for limit in result.binding] == ["max_error"]
+
+
 def test_share_of_a_bar_is_a_quantile(tmp_path: Path) -> None:
     """With one uniform factor of the modulus from 0.8 to 1.2, one in twenty is below 0.82."""
     result, told = robust(
@@ -236,6 +249,10 @@ WRONG = {
     "robust: worst\nuncertain: {stiffness: 5 %}\nworkspace: {path: [[600 mm, 0 m], [700 mm, 0 m]], error: across}\n": (
         "counts the whole error"
     ),
+    "robust: worst\nuncertain: {stiffness: 5 %}\nload_cases: [{subject_to: {max_error: '<= 1 mm'}}]\n": (
+        "one max_error for all load cases and points"
+    ),
+    "minimize: mass\nrobust: worst\nuncertain: {stiffness: 5 %}\n": "neither minimised nor limited",
     "robust: worst\n": "robust: needs what is uncertain",
     "uncertain: {stiffness: 5 %}\n": "uncertain: needs how it counts",
     "robust: 105 %\nuncertain: {stiffness: 5 %}\n": "robust: is worst, or a share",
