@@ -133,12 +133,12 @@ class _Fits:
         as_said = self._at(effects, None)
         if not lags:
             return as_said
-        best: Any = minimize_scalar(
-            lambda late: float(np.sum(self._at(effects, late, as_said).left ** 2)),
-            bounds=(0.0, _LONGEST * max(lags[0].grid)),
-            method="bounded",
-            options={"xatol": _EXACT},
-        )
+
+        def left(late: float) -> float:
+            return float(np.sum(self._at(effects, late, as_said).left ** 2))
+
+        most = _LONGEST * max(lags[0].grid)
+        best: Any = minimize_scalar(left, bounds=(0.0, most), method="bounded", options={"xatol": _EXACT})
         fit = self._with_slope(self._at(effects, float(best.x)))
         shown = self._serial(fit).error[fit.of_arm.stop - 1] < self.rules.motion.shown * max(lags[0].typical)
         return fit if shown else as_said
@@ -174,7 +174,7 @@ class _Fits:
     def _widths(self, columns: Array, values: Array) -> tuple[Array, Array]:
         """Standard deviations (K,) of the numbers that are known beforehand, and what holds the numbers to these,
         `ridge` (K,): waves are as large as the rows make likely, and at most as encoders are eccentric (D. J. C.
-        MacKay, Neural Comput. 4 (1992) 415, with the mean over widths)."""
+        MacKay, Neural Comput. 4 (1992) 415, doi:10.1162/neco.1992.4.3.415, but averaged over widths)."""
         count = self.rows.waves.shape[1]
         width, ridge = np.zeros(columns.shape[1]), np.zeros(columns.shape[1])
         if count:
@@ -261,7 +261,7 @@ def _values(effect: Effect, size: float, late: float | None) -> dict[str, float]
 
 def _solved(columns: Array, values: Array, ridge: Array) -> Array:
     table = np.vstack((columns, np.diag(np.sqrt(ridge))))
-    return np.asarray(np.linalg.lstsq(table, np.append(values, np.zeros(len(ridge))), rcond=None)[0])
+    return np.asarray(np.linalg.lstsq(table, np.append(values, np.zeros(len(ridge))), rcond=None)[0], dtype=float)
 
 
 def _at_joint(fits: _Fits, effects: Sequence[Effect]) -> Between:

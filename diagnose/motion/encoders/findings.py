@@ -77,8 +77,8 @@ def _remains(arm: Arm, shown: Sequence[Between]) -> tuple[str, str]:
 
     pairs = zip(each(lambda item: item.held_out), each(lambda item: item.before), shown, strict=True)
     left = ", ".join(f"{after} RMS of {before} at joint {item.joint}" for after, before, item in pairs)
-    around, way = (", ".join(each(value)) for value in (lambda item: item.around, lambda item: item.direction))
-    late = ", ".join(f"{1e3 * item.late + 0.0:.2g} ms" for item in shown)
+    around, way = ", ".join(each(lambda item: item.around)), ", ".join(each(lambda item: item.direction))
+    late = ", ".join(f"{1e3 * item.late:.2f} ms" for item in shown)
     return (
         f"Between both encoders the written arm leaves {left}, on held-out motion. Taken out are an offset and a "
         f"delay of the link's encoder ({late}).",

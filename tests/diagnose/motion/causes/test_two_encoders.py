@@ -113,15 +113,20 @@ def test_a_gear_between_two_encoders_is_named_with_stiffness_and_damping(arm, sp
 
 @pytest.mark.parametrize("stiffness", [350.0, STIFFNESS, 1400.0])
 def test_what_the_file_gives_a_drive_counts(arm, springy, stiffness):
-    """Found is the compliance beyond that of the file, though this says nothing of the gear's damping."""
+    """Found is the compliance beyond that of the file. This says nothing of the gear's damping, which is the whole
+    drive's once it is written."""
     joints = tuple(replace(joint, stiffness=stiffness if k == 1 else None) for k, joint in enumerate(arm.joints))
-    found = named(diagnose_motion(replace(arm, joints=joints), [springy]))
+    result = diagnose_motion(replace(arm, joints=joints), [springy])
+    found = named(result)
     if stiffness == STIFFNESS:
         assert found == {}
         return
     low, high = found["joint_compliance", (2,)]["compliance"].interval
     assert low < 1.0 / STIFFNESS - 1.0 / stiffness < high
     assert high - low < 0.01 / STIFFNESS
+    low, high = found["joint_compliance", (2,)]["retardation"].interval
+    assert low < RETARDATION < high
+    assert result.findings[0].apart.written < 1e-5 < 8e-3 < result.findings[0].apart.nominal
 
 
 def test_the_written_arm_explains_both_encoders(arm, springy):
