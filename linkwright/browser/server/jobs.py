@@ -67,6 +67,8 @@ class Job:
     left: Path | None = None
     run: int | None = None
     stopping: bool = False
+    begun: bool = False
+    """Whether its process was heard of: before, it hears no interrupt and has nothing to leave."""
     process: asyncio.subprocess.Process | None = None
     asked: Asked | None = None
 
@@ -81,12 +83,12 @@ class Job:
         return time.monotonic() - self.began
 
     def stop(self) -> None:
-        """Ask it to end with the best so far; asked again, it ends at once."""
-        signal_of = signal.SIGINT if not self.stopping else signal.SIGKILL
+        """Ask it to end with the best so far; asked again, or before it has begun, it ends at once."""
+        at_once = self.stopping or not self.begun
         self.stopping, self.text = True, "stopping"
         if self.process is not None and self.process.returncode is None:
             with suppress(ProcessLookupError):
-                if signal_of == signal.SIGKILL:
+                if at_once:
                     os.killpg(self.process.pid, signal.SIGKILL)
                 else:
                     self.process.send_signal(signal.SIGINT)
@@ -233,6 +235,7 @@ class Jobs:
 
 
 def _hear(job: Job, event: Mapping[str, Any]) -> None:
+    job.begun = True
     if "text" in event and not job.stopping:
         job.text, job.share = str(event["text"]), float(event["share"])
     if "line" in event:

@@ -133,8 +133,11 @@ def _beside(result: Any, out: Path, settings: Sequence[Path]) -> None:
 
 def main() -> int:
     """Answer the question on standard input; gives the exit status."""
+    # A server that a script began in the background ignores interrupts, and passes that on.
+    signal.signal(signal.SIGINT, signal.default_int_handler)
     end_as_by_ctrl_c()
     request: dict[str, Any] = json.loads(sys.stdin.read())
+    say(text="starting", share=0.0)
     root, out = Path(request["root"]), Path(request["out"])
     try:
         answered(request["kind"], root, out, request)
