@@ -93,14 +93,9 @@ NO_RULES = {
     "motion/findings.py": {"_NOTHING"},  # rounding
     "motion/judged.py": {"_SETTLED", "_STEPS", "_WORSE"},
     "motion/diagnosis.py": {"_ALIKE", "_ROTORS"},  # one wave or two
-    "motion/encoders/between.py": {
-        "_EXACT",
-        "_LONGEST",
-        "_NUDGE",
-        "_ROUNDS",
-    },  # how far and how finely a delay is sought
-    "motion/encoders/load_rows.py": {"_STEP"},
-    "motion/encoders/sides.py": {"_PARTS"},
+    # how far and how finely delays and widths are sought
+    "motion/encoders/between.py": {"_EXACT", "_LONGEST", "_NUDGE", "_STEP", "_WIDTHS"},
+    "motion/encoders/serial.py": {"_LEAST"},  # keeps a division finite
     "motion/events/changed.py": {"SURE", "_PARTS", "_ROUNDS"},  # a normal distribution's; how a search goes
     "motion/events/found.py": {"_DRAWS", "_FELT", "_MOST", "_PARTS", "_ROUNDS"},
     "motion/events/placed.py": {"_AT_ONCE", "_BARELY", "_INSTANTS", "_ROUNDS", "SETTLED", "_TAIL"},
