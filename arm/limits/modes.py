@@ -232,38 +232,38 @@ def node_masses(arm: Arm, segments: SegmentedArm, beams: Sequence[Beam], payload
     """The masses (kg) that move with the segments' far ends: links by Simpson's rule, joints, the payload of each tip.
     Links that run out of a sleeve count as if they had done so whole: elsewhere the arm is no slower than that."""
     masses: list[Scalar] = [0.0] * len(segments.owner)
+
+    def add_at(node: int | None, mass: Scalar) -> None:
+        if node is not None:  # what stands on the ground does not move
+            masses[node] = masses[node] + mass
+
     hung = [masses_on(link.masses, beam) for link, beam in zip(arm.links, beams, strict=True)]
     for node, (owner, number) in enumerate(zip(segments.owner, segments.hung, strict=True)):
         if number is not None:
-            masses[node] = masses[node] + hung[owner][number].mass
+            add_at(node, hung[owner][number].mass)
     for index, beam in enumerate(beams):
         nodes = [k for k, owner in enumerate(segments.owner) if owner == index and segments.kinds[k] not in _OFFSETS]
         start = segments.before[index]
         if segments.kinds[nodes[0]] == "head":
             start = nodes.pop(0)
-        if start is not None:
-            masses[start] = masses[start] + arm.joints[index].mass
+        add_at(start, arm.joints[index].mass)
         for mass in hung[index]:
-            node = nodes[-1] if mass.on == "end" else start
-            if node is not None and not _stands_off(mass):
-                masses[node] = masses[node] + mass.mass
+            if not _stands_off(mass):
+                add_at(nodes[-1] if mass.on == "end" else start, mass.mass)
         if arm.links[index].compliance is not None:
             # Nobody knows how it moves between its ends: at these its mass makes the arm no faster than it is.
             share = times(beam.lumped_mass, beam.lumped_at / beam.length)
-            masses[nodes[-1]] = masses[nodes[-1]] + share
-            if start is not None:
-                masses[start] = masses[start] + minus(beam.lumped_mass, share)
-            continue
-        if segments.kinds[nodes[0]] == "before":
-            masses[nodes[0]] = masses[nodes[0]] + beam.lumped_mass
-            continue
-        total = times(beam.mass_per_length, beam.length)
-        density = beam.taper.density or (1.0,) * len(_SIMPSON)
-        for node, weight, share in zip([start, *nodes], _SIMPSON, density, strict=True):
-            if node is not None:
-                masses[node] = masses[node] + weight * share * total
+            add_at(nodes[-1], share)
+            add_at(start, minus(beam.lumped_mass, share))
+        elif segments.kinds[nodes[0]] == "before":
+            add_at(nodes[0], beam.lumped_mass)
+        else:
+            total = times(beam.mass_per_length, beam.length)
+            density = beam.taper.density or (1.0,) * len(_SIMPSON)
+            for node, weight, share in zip([start, *nodes], _SIMPSON, density, strict=True):
+                add_at(node, weight * share * total)
     for way, payload in zip(segments.ways, payloads, strict=True):
-        masses[way.nodes[-1]] = masses[way.nodes[-1]] + payload
+        add_at(way.nodes[-1], payload)
     return masses
 
 

@@ -72,20 +72,32 @@ def _check_materials(body: Mapping, problem: Problem, limit: Limit) -> None:
 
 def _check_errors(mapping: Mapping, problem: Problem) -> None:
     """Errors over poses that move with the lengths, as those of a place do, and errors of which a part counts."""
-    average = [limit.name for limit in problem.limits if limit.name == "average_error"]
     of_cases = any(limit.figure.is_error and not limit.figure.traded for limit in problem.limits)
     if problem.workspace.error != "whole" and of_cases:
         message = f"holds for the whole error, and the workspace counts that {problem.workspace.error} the path"
         raise mapping.error("load_cases", f"subject_to {message}; leave one out")
-    if problem.uncertain is not None and of_cases:
-        message = "goes with one max_error for all load cases and points, which alone holds for all that may be"
-        raise mapping.error("uncertain", f"{message}; write it in subject_to in place of those of single ones")
-    if problem.uncertain is not None and problem.minimize != "max_error" and not problem.limit("max_error"):
-        message = "counts in max_error alone, which is neither minimised nor limited"
-        raise mapping.error("uncertain", f"{message}; add subject_to: {{max_error: ...}}")
+    _check_uncertain(mapping, problem, of_cases=of_cases)
     if problem.must_reach and any(limit.name.startswith("max_error at point") for limit in problem.limits):
         message = "has a max_error of a point, which goes with links whose length stays"
         raise mapping.error("workspace.points", f"{message}; limit max_error for all of them in subject_to")
+    _check_average(mapping, problem)
+
+
+def _check_uncertain(mapping: Mapping, problem: Problem, *, of_cases: bool) -> None:
+    """What may be uncertain counts in one error for all load cases."""
+    if problem.uncertain is None:
+        return
+    if of_cases:
+        message = "goes with one max_error for all load cases and points, which alone holds for all that may be"
+        raise mapping.error("uncertain", f"{message}; write it in subject_to in place of those of single ones")
+    if problem.minimize != "max_error" and not problem.limit("max_error"):
+        message = "counts in max_error alone, which is neither minimised nor limited"
+        raise mapping.error("uncertain", f"{message}; add subject_to: {{max_error: ...}}")
+
+
+def _check_average(mapping: Mapping, problem: Problem) -> None:
+    """An average is over poses that stay, of the whole error."""
+    average = [limit.name for limit in problem.limits if limit.name == "average_error"]
     if not average and problem.minimize != "average_error":
         return
     key = "subject_to.average_error" if average else "minimize"
