@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 
-from linkwright.core.arm.chain.chain import Arm, Branch, EffectEntry
-from linkwright.core.arm.chain.vectors import add, scale, subtract
+from linkwright.core.arm.chain.chain import Arm, Branch, EffectEntry, Joint
+from linkwright.core.arm.chain.vectors import Vector, add, scale, subtract
 from linkwright.core.units.names import nearest
 from linkwright.core.units.quantities import InputError, shown
 
@@ -65,14 +65,7 @@ def _several(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Seq
         at, number = len(joints), way.arm
         _check_torso(robot, way, shared)
         places = {k: at + k - shared for k in range(shared, number.size)}
-        onward = number.links[shared - 1]
-        place = add(scale(onward.length, onward.direction), number.joints[shared].origin_translation)
-        standing = subtract(place, foot)
-        beyond = [
-            joint if joint.follows is None else replace(joint, follows=joint.follows.moved(places))
-            for joint in number.joints[shared:]
-        ]
-        joints += [replace(beyond[0], origin_translation=plain(standing)), *beyond[1:]]
+        joints += _onward(number, shared, foot, places)
         links += number.links[shared:]
         numbers.append([*range(shared), *places.values()])
         effects += _beyond(number, numbers[-1], shared)
@@ -102,6 +95,17 @@ def _several(robot: Robot, start: str, ends: Sequence[str], chains: Sequence[Seq
         tuple(dict.fromkeys(doubt for way in ways for doubt in way.doubts)),
         tuple(dict.fromkeys(said for way in ways for said in way.unread)),
     )
+
+
+def _onward(arm: Arm, shared: int, foot: Vector, places: Mapping[int, int]) -> list[Joint]:
+    """A way's joints beyond those that it shares, the first from the `foot` (m) of all; `places` are in the whole."""
+    before = arm.links[shared - 1]
+    place = add(scale(before.length, before.direction), arm.joints[shared].origin_translation)
+    first, *rest = (
+        joint if joint.follows is None else replace(joint, follows=joint.follows.moved(places))
+        for joint in arm.joints[shared:]
+    )
+    return [replace(first, origin_translation=plain(subtract(place, foot))), *rest]
 
 
 def _beyond(arm: Arm, numbers: Sequence[int], shared: int) -> list[EffectEntry]:

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 from typing import TypeVar, cast
 
 from linkwright.core.arm.actuators import Actuator, load_actuators
-from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.chain.chain import Arm, Joint
 from linkwright.core.materials.catalogue import Catalogue
 from linkwright.core.materials.material import Material
 from linkwright.core.optimize.choice.driven import kept_figures
@@ -126,19 +126,23 @@ def _actuators(body: Mapping, arm: Arm) -> tuple[tuple[Actuator, ...], ...] | No
             raise body.error("actuator", f"joint {number} slides, and no actuator drives a slide; write [] for it")
         chosen = [known.find(str(name), file=body.file, key=path) for name in names]
         for item in chosen:
-            kept = kept_figures(joint)
-            if unknown := [
-                key for key in item.lacks("rated_torque", "stiffness", "backlash", "mass") if key not in kept
-            ]:
-                missing = ", ".join(unknown).replace("_", " ")
-                beside = ", ".join(f"{key}: ..." for key in unknown)
-                message = f"cannot choose {item.name}, whose {missing} the catalogue does not know"
-                would_do = f"write `actuator: {item.name}, {beside}` at joint {number} of the arm file"
-                raise body.error("actuator", f"{message}; {would_do}")
+            _check_figures(body, joint, number, item)
         actuators.append(tuple({actuator.name: actuator for actuator in chosen}.values()))
     if not any(actuators):
         raise body.error("actuator", "is empty; name at least one actuator")
     return tuple(actuators)
+
+
+def _check_figures(body: Mapping, joint: Joint, number: int, actuator: Actuator) -> None:
+    """Whether all that a drive needs is known, by the catalogue or by the joint."""
+    kept = kept_figures(joint)
+    needed = actuator.lacks("rated_torque", "stiffness", "backlash", "mass")
+    if unknown := [key for key in needed if key not in kept]:
+        missing = ", ".join(unknown).replace("_", " ")
+        beside = ", ".join(f"{key}: ..." for key in unknown)
+        message = f"cannot choose {actuator.name}, whose {missing} the catalogue does not know"
+        would_do = f"write `actuator: {actuator.name}, {beside}` at joint {number} of the arm file"
+        raise body.error("actuator", f"{message}; {would_do}")
 
 
 def _names(body: Mapping, key: str) -> list[str]:
