@@ -28,13 +28,7 @@ from linkwright.core.units.lists import rows_text
 from linkwright.core.units.quantities import format_quantity
 
 from .robust_scale import qn, resolution
-from .visits import (
-    differences_of_revisits,
-    readings_of_a_pose,
-    repeat_groups,
-    visits_of_a_pose,
-    without_drift,
-)
+from .visits import differences_of_revisits, readings_of_a_pose, repeat_groups, visits_of_a_pose, without_drift
 
 Rows = NDArray[np.int64]
 Source = Literal["repeats", "declared", "revisits", "none"]

@@ -14,6 +14,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -334,7 +335,7 @@ class Program:
         outside = np.any((poses < low - _STRAYED) | (poses > high + _STRAYED), axis=1)
         return bool(np.any(outside & (np.abs(multipliers[self._place["errors"]])[: len(poses)] > _PRESSING)))
 
-    @property
+    @cached_property
     def _ends(self) -> tuple[Array, Array]:
         """The ends of the joints' ranges."""
         return climbing_bounds(self.model.arm, *joint_box(self.model.arm, self.space.problem.workspace))

@@ -74,7 +74,7 @@ class Between:
     @property
     def entries(self) -> tuple[EffectEntry, ...]:
         """The causes as an arm file holds them."""
-        return tuple(EffectEntry(cause.effect.id, (self.joint,), cause.sizes) for cause in self.causes)
+        return _entries(self.joint, self.causes)
 
 
 def between_encoders(
@@ -102,7 +102,8 @@ class _Fit:
     """Effects fitted at a joint, the drive `late` s behind its load (None: as the file has it). `columns` (R, K) with
     `sizes` (K,) are waves, unit patterns of the effects, what a second more of `late` changes where that is sought
     (these two are `of_arm`), and what belongs to no drive; `ridge` (K,) holds them to standard deviations `width` (K,).
-    `own` (R,) is what the arm itself does, `left` (R,) the rest."""
+    `nominal` (R,) is what the arm as given does (rad, m), `left` (R,) what all of this
+    leaves."""
 
     effects: tuple[Effect, ...]
     late: float | None
@@ -111,7 +112,7 @@ class _Fit:
     ridge: Array
     sizes: Array
     of_arm: slice
-    own: Array
+    nominal: Array
     left: Array
 
     def place(self, effect: Effect) -> int:
@@ -144,18 +145,18 @@ class _Fits:
         return fit if shown else as_said
 
     def _at(self, effects: tuple[Effect, ...], late: float | None, like: _Fit | None = None) -> _Fit:
-        waves, own = self.rows.waves, self.rows.of_arm(late)
+        waves, nominal = self.rows.waves, self.rows.of_arm(late)
         units = [self._unit(effect, late) for effect in effects]
         columns = np.column_stack((waves, *units, self.rows.instrument, self.rows.direction))
-        values = self.rows.measured - own
+        values = self.rows.measured - nominal
         width, ridge = self._widths(columns, values) if like is None else (like.width, like.ridge)
         sizes, of_arm = _solved(columns, values, ridge), slice(waves.shape[1], waves.shape[1] + len(effects))
-        return _Fit(effects, late, columns, width, ridge, sizes, of_arm, own, values - columns @ sizes)
+        return _Fit(effects, late, columns, width, ridge, sizes, of_arm, nominal, values - columns @ sizes)
 
     def _with_slope(self, fit: _Fit) -> _Fit:
         assert fit.late is not None
         later = self._at(fit.effects, fit.late + _STEP, fit)
-        change = later.own - fit.own + (later.columns - fit.columns)[:, fit.of_arm] @ fit.sizes[fit.of_arm]
+        change = later.nominal - fit.nominal + (later.columns - fit.columns)[:, fit.of_arm] @ fit.sizes[fit.of_arm]
         end = fit.of_arm.stop
         return replace(
             fit,
@@ -196,7 +197,7 @@ class _Fits:
 
     def held_out(self, fit: _Fit) -> float:
         """RMS that the arm with the effects leaves, their sizes by the other folds."""
-        values, left = self.rows.measured - fit.own, np.zeros(len(fit.own))
+        values, left = self.rows.measured - fit.nominal, np.zeros(len(fit.nominal))
         for each in np.unique(self.rows.fold).tolist():
             out = self.rows.fold == each
             sizes = _solved(fit.columns[~out], values[~out], fit.ridge)
@@ -224,11 +225,11 @@ class _Fits:
     def _unsure(self, fit: _Fit) -> Array:
         """How far 95 % intervals of the sizes (K,) reach beside noise: patterns from filters, clocks and forms are
         known no better than two standard deviations of it, and loads by a share."""
-        more = self.rows.of_arm(fit.late, 1.0 + _NUDGE) - fit.own
+        more = self.rows.of_arm(fit.late, 1.0 + _NUDGE) - fit.nominal
         for effect in fit.effects:
             place = fit.place(effect)
             more += fit.sizes[place] * (self._unit(effect, fit.late, 1.0 + _NUDGE) - fit.columns[:, place])
-        whole = fit.own + fit.columns[:, fit.of_arm] @ fit.sizes[fit.of_arm]
+        whole = fit.nominal + fit.columns[:, fit.of_arm] @ fit.sizes[fit.of_arm]
         size = np.maximum(np.linalg.norm(fit.columns, axis=0), 1e-300)
         loads = _solved(fit.columns, more / _NUDGE, fit.ridge) * self._scale
         return np.asarray(np.hypot(HALF * self.rules.motion.filters * np.linalg.norm(whole) / size, loads))
@@ -281,16 +282,20 @@ def _at_joint(fits: _Fits, effects: Sequence[Effect]) -> Between:
     best = min(filter(stands, sets), key=lambda names: fits.held_out(tried[names]))
     fit = tried[best]
     causes = tuple(fits.cause(fit, each, tried[best - {each}], p_value(best, each)) for each in fit.effects)
-    shown = Between(fits.rows.joint + 1, causes, fits.held_out(tried[sets[0]]), 0.0, fits.held_out(fit), 0.0, 0.0, 0.0)
-    made = fits.rows.made
-    written = replace(fits.rows, made=replace(made, arm=with_entries(made.arm, shown.entries)))
+    filed = with_entries(fits.rows.made.arm, _entries(fits.rows.joint + 1, causes))
+    written = replace(fits.rows, made=replace(fits.rows.made, arm=filed))
     instrument, left = written.instrument, written.measured - written.of_arm()
-    around, by_direction = (
-        rms(residual(instrument, columns @ sizes))
-        for columns, sizes in (
-            (written.waves, fit.sizes[: fit.of_arm.start]),
-            (written.direction, fit.sizes[-1:]),
-        )
+    return Between(
+        fits.rows.joint + 1,
+        causes,
+        before=fits.held_out(tried[frozenset()]),
+        after=rms(residual(instrument, left)),
+        held_out=fits.held_out(fit),
+        late=-float(np.linalg.lstsq(instrument, left, rcond=None)[0][-1]),
+        around=rms(residual(instrument, written.waves @ fit.sizes[: fit.of_arm.start])),
+        direction=rms(residual(instrument, written.direction @ fit.sizes[-1:])),
     )
-    late = -float(np.linalg.lstsq(instrument, left, rcond=None)[0][-1])
-    return replace(shown, after=rms(residual(instrument, left)), late=late, around=around, direction=by_direction)
+
+
+def _entries(joint: int, causes: Sequence[Cause]) -> tuple[EffectEntry, ...]:
+    return tuple(EffectEntry(cause.effect.id, (joint,), cause.sizes) for cause in causes)

@@ -80,10 +80,9 @@ def _remains(arm: Arm, shown: Sequence[Between]) -> tuple[str, str]:
     around, way = ", ".join(each(lambda item: item.around)), ", ".join(each(lambda item: item.direction))
     late = ", ".join(f"{1e3 * item.late:.2f} ms" for item in shown)
     return (
-        f"Between both encoders the written arm leaves {left}, on held-out motion. Taken out are an offset and a "
-        f"delay of the link's encoder ({late}).",
-        f"No entry holds what of this goes round with a joint ({around}, joint by joint) and with the direction of "
-        f"its motion ({way}).",
+        f"Between both encoders the written arm leaves {left}, on held-out motion. An offset and a delay that remain "
+        f"between them are taken out ({late}, joint by joint).",
+        f"No entry holds what of this goes round with a joint ({around}) and with the direction of its motion ({way}).",
     )
 
 

@@ -12,7 +12,7 @@ from scipy.stats import t as student
 from linkwright.core.sections.numeric import Array
 
 _LEAST = 1e-3
-"""Of what a fit leaves of a frequency; where it is less, that frequency alone determines a number."""
+"""Share of a frequency that a fit leaves, at least: below it that frequency alone determines a number."""
 
 
 @dataclass(frozen=True)

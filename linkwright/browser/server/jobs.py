@@ -197,6 +197,8 @@ class Jobs:
             start_new_session=True,
             limit=_LONGEST_LINE,
         )
+        if job.stopping:  # it was stopped while its process was being made
+            job.stop()
         assert process.stdin is not None
         assert process.stdout is not None
         assert process.stderr is not None

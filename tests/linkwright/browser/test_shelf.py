@@ -158,12 +158,26 @@ def test_a_worker_that_is_killed_says_so(tmp_path):
     assert shelf.runs() == []
 
 
-def test_what_is_stopped_before_anything_was_found_says_which_it_was(tmp_path):
+@pytest.fixture
+def deaf():
+    """A server that a script began in the background: it ignores interrupts, and so do its processes."""
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    yield
+    signal.signal(signal.SIGINT, before)
+
+
+@pytest.mark.parametrize(
+    "ready",
+    [lambda _: True, lambda job: job.process is not None, lambda job: job.begun],
+    ids=["at once", "made", "begun"],
+)
+@pytest.mark.usefixtures("deaf")
+def test_what_is_stopped_before_anything_was_found_says_which_it_was(tmp_path, ready):
     """Every tab hears of it, those too that did not begin it."""
 
     async def stopped(jobs):
         job = jobs.start("evaluate", "an arm", {"arm.yaml": ARM.encode()}, {"arm": "arm.yaml"})
-        while job.process is None:
+        while not ready(job):
             await asyncio.sleep(0.01)
         job.stop()
         while job.state == "running":
