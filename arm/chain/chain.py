@@ -21,7 +21,7 @@ from .vectors import IDENTITY, ZERO, Rotation, Scalar
 
 if TYPE_CHECKING:
     from linkwright.core.arm.actuators import Actuator
-    from linkwright.core.arm.avoid.regions import Region
+    from linkwright.core.arm.avoid.obstacle import Obstacle
     from linkwright.core.arm.bodies.inertia import Moving
     from linkwright.core.materials.material import Material
     from linkwright.core.sections.section import Section
@@ -303,6 +303,7 @@ class LoadCase:
     `relative_to` is the calibrated state that the error counts from; None counts the whole error. Of several arms on
     one torso `tip` names the one at whose tip it acts and whose error counts; empty: the arm's own. `moving` is the
     instant of a motion at which it acts, at that pose and with its accelerations; None: at rest, at any pose.
+    `acceleration` (m/s^2, base frame) is that of the base, on a vehicle or a lift.
     """
 
     mass: float = 0.0
@@ -312,13 +313,14 @@ class LoadCase:
     tip: str = ""
     leaves_off: float = field(default=0.0, compare=False)
     moving: Moving | None = None
+    acceleration: FloatVector = ZERO
 
     @property
     def when_calibrated(self) -> LoadCase | None:
         """What acts at the tip in the calibrated state; None where the whole error counts."""
         if self.relative_to is None:
             return None
-        calibrated = replace(self, relative_to=None)
+        calibrated = replace(self, relative_to=None, acceleration=ZERO)
         return calibrated if self.relative_to.payload is None else replace(self.relative_to.payload, tip=self.tip)
 
 
@@ -405,7 +407,7 @@ class Arm:
     machining: Machining = Machining()
     branches: tuple[Branch, ...] = ()
     every_tip: bool = False
-    avoid: tuple[Region, ...] = ()
+    avoid: tuple[Obstacle, ...] = ()
     gravity_given: bool = field(default=True, compare=False)
 
     def __post_init__(self) -> None:
@@ -423,9 +425,14 @@ class Arm:
         return tuple(link.length for link in self.links)
 
     def planar(self, load: LoadCase | None = None) -> bool:
-        """Whether everything stays in the x-y plane: axes, links, gravity and, with `load`, the tip's force too."""
+        """Whether everything stays in the x-y plane: axes, links, gravity and, with `load`, what acts then too."""
         case = self.payload if load is None else load
-        return self._flat and case.force[2] == 0.0 and case.moment[:2] == (0.0, 0.0)
+        return self._flat and case.force[2] == case.acceleration[2] == 0.0 and case.moment[:2] == (0.0, 0.0)
+
+    def gravity_felt(self, load: LoadCase | None = None) -> FloatVector:
+        """Gravity less the acceleration of the base under a load (by default the arm's payload), m/s^2."""
+        moved = (self.payload if load is None else load).acceleration
+        return (self.gravity[0] - moved[0], self.gravity[1] - moved[1], self.gravity[2] - moved[2])
 
     @cached_property
     def _flat(self) -> bool:

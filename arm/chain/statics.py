@@ -153,7 +153,7 @@ def solve(
     placed = place(arm, q, [beam.length for beam in beams]) if frames is None else frames
     # On a shape that is given, beams are as long as they have run out to there.
     beams = beams if frames is not None else run_out(arm, beams, q)
-    pull: Vector = arm.gravity if gravity is None else gravity
+    pull: Vector = arm.gravity_felt(case) if gravity is None else gravity
     pushed: Vector = case.force if tip_force is None else tip_force
     carried = case.mass if payload_mass is None else payload_mass
     acting: list[Acting] = [Couplings(arm, placed), Counterbalances(arm, beams, turns(arm, q))]

@@ -65,7 +65,7 @@ def moving(arm: Arm, q: Array, velocity: Array, acceleration: Array, gravity: Fl
     turns = turns_by_drives(arm)
     rates, speeding = (velocity @ turns.T).T, (acceleration @ turns.T).T
     frames = place(arm, list(q.T))
-    pull = np.asarray(arm.gravity if gravity is None else gravity, dtype=float)
+    pull = np.asarray(arm.gravity_felt() if gravity is None else gravity, dtype=float)
     origin, step = np.zeros((3, count)), np.zeros((3, count))
     rising = np.repeat(-pull[:, None], count, axis=1)
     turning, spinning_up = np.zeros((3, count)), np.zeros((3, count))

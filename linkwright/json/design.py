@@ -221,7 +221,8 @@ def _seam(evaluation: Evaluation) -> dict[str, Any]:
 def _load(case: LoadCase) -> dict[str, Any]:
     tip = {"tip": case.tip} if case.tip else {}
     moving = {} if case.moving is None else {"motion_time_s": case.moving.time}
-    return {**tip, **fields(case, "payload_kg=mass", "force_N", "moment_Nm"), **moving}
+    base = {"base_acceleration_m_per_s2": list(case.acceleration)} if any(case.acceleration) else {}
+    return {**tip, **fields(case, "payload_kg=mass", "force_N", "moment_Nm"), **base, **moving}
 
 
 def _relative_to(evaluation: Evaluation) -> dict[str, Any] | None:

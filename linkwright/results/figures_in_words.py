@@ -118,6 +118,8 @@ def load_case_words(case: LoadCase) -> str:
         parts.append(f"force ({', '.join(figure(value) for value in case.force)}) N")
     if any(case.moment):
         parts.append(f"moment ({', '.join(figure(value) for value in case.moment)}) N·m")
+    if any(case.acceleration):
+        parts.append(f"base accelerated by ({', '.join(figure(value) for value in case.acceleration)}) m/s²")
     if case.moving is not None:
         parts.append(f"moving, at {with_unit(case.moving.time, 's')}")
     return f"{f'tip {case.tip}: ' if case.tip else ''}{', '.join(parts)}"

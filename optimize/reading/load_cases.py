@@ -12,6 +12,7 @@ from linkwright.core.arm.figures import (
     error_of_case,
 )
 from linkwright.core.arm.files.branches import tip_named
+from linkwright.core.arm.files.origin import read_vector
 from linkwright.core.arm.files.read import read_load
 from linkwright.core.optimize.exchange.cycles import moving_cases
 from linkwright.core.units.quantities import shown
@@ -76,6 +77,7 @@ def _load_case(body: Mapping) -> tuple[LoadCase, bool]:
         mass=inner.mass or beside.mass,
         force=inner.force if any(inner.force) else beside.force,
         moment=inner.moment if any(inner.moment) else beside.moment,
+        acceleration=read_vector(body, "acceleration", "acceleration", ZERO),
     )
     return case, "mass" in outer or (isinstance(inside, dict) and "mass" in inside)
 

@@ -22,7 +22,7 @@ from .added_weights import under_weight_alone, weights_added
 
 
 def _twists(state: PoseState, settings: Settings) -> Iterator[Twist]:
-    change = _change(state.gravity, settings, planar=state.planar)
+    change = _change(state.arm.gravity, settings, planar=state.planar)
     if is_zero(change):
         return
     yield from elastic_twists(under_other_loads(state, gravity=change, tip_force=ZERO, tip_moment=(0.0, 0.0, 0.0)))

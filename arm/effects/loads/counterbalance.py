@@ -21,7 +21,7 @@ _UPRIGHT: Vector = (0.0, 0.0, 1.0)
 def link_angle(state: PoseState, index: int) -> tuple[Scalar, Scalar]:
     """Cosine and sine of the angle of link `index`: in the plane against x, in space against the vertical, about the
     joint's axis."""
-    return _angle(state.links[index].along, state.joints[index].axis, state.gravity, planar=state.planar)
+    return _angle(state.links[index].along, state.joints[index].axis, state.arm.gravity, planar=state.planar)
 
 
 def _angle(along: Vector, axis: Vector, gravity: Vector, *, planar: bool) -> tuple[Scalar, Scalar]:
