@@ -91,8 +91,10 @@ class PartOfError(SearchedError):
         return not any(case.error.intervals or case.error.discs for case in cases)
 
     def prepare(self, problem: Asked) -> WorstSearch:
-        """The search for the worst of it; raises `InputError` where nothing of the arm can make it any."""
-        if self._is_none(problem):
+        """The search for the worst of it; raises `InputError` where nothing of the arm can make it any, unless its
+        drives are from the catalogue, of which some have no play."""
+        catalogued = problem.actuators is not None or any(joint.actuator for joint in problem.arm.joints)
+        if self._is_none(problem) and not catalogued:
             message = "needs an arm with play: no joint has backlash, clearance or friction wind-up (friction_windup)"
             raise InputError("", f"subject_to.{self.name}", message)
         return super().prepare(problem)
