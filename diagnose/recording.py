@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.arm.avoid.regions import Region
+from linkwright.core.arm.avoid.obstacle import Obstacle
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.diagnose.rules.residual_rules import ResidualRules
 from linkwright.core.sections.numeric import Array
@@ -107,7 +107,7 @@ class Recording:
     branch: str = ""
     started: float | None = None
     earlier: Earlier | None = None
-    avoid: tuple[Region, ...] = ()
+    avoid: tuple[Obstacle, ...] = ()
     names: tuple[str, ...] = ("",)
     units: bool = False
 

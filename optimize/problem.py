@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import cast
 
 from linkwright.core.arm.actuators import Actuator
-from linkwright.core.arm.avoid.regions import Region
+from linkwright.core.arm.avoid.obstacle import Obstacle
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.figures import (
     DIRECTED,
@@ -80,7 +80,7 @@ class Problem:
     sizes: tuple[tuple[Listed, ...], ...] | None = None
     balances: tuple[Balance, ...] = ()
     motors: tuple[MotorChoice, ...] = ()
-    avoid: tuple[Region, ...] = ()
+    avoid: tuple[Obstacle, ...] = ()
     base: BaseSpans | None = None
     """Where the base may stand; None where that is not chosen."""
     lists: tuple[LinkLists, ...] | None = None
@@ -208,6 +208,7 @@ def problem_from(mapping: Mapping, arm: Arm, known: Catalogue, figures: MappingL
         by_name = {limit.name: limit.figure for limit in limits if limit.name not in figures}
         figures = {**figures, **by_name} if by_name else figures
         avoid = read_avoid(mapping)
+        arm = replace(arm, avoid=tuple(dict.fromkeys((*arm.avoid, *avoid))))
         needs = (figure.needs for figure in (figures[minimize], *(limit.figure for limit in limits)))
         chosen = read_choices(mapping, known, arm, frozenset(itertools.chain(*needs)), ranges)
         shapes, materials, lists, same, actuators, sizes = chosen

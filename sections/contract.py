@@ -58,10 +58,10 @@ def check_shape(kind: type[Section], *given: Section) -> None:
 
     On some sections of random dimensions, or those `given`: properties against the outline's area and moments and a
     boundary element solution of torsion and shear within it (J within 3 %, shear areas within 4 %, the shear centre
-    within 1 % of the height, the torsion modulus within 40 %); the outline closed, about the centroid and of plain
-    numbers; each property grows with its power of the size; floats, arrays and CasADi's symbols give the same; flat
-    walls lie in the material, as thick and as wide as they say; the bore is the largest circle of a hollow. Seconds.
-    A shape need not be registered.
+    within 1 % of the height, the torsion modulus within 40 %); the outline closed, about the centroid, of plain
+    numbers and within the greatest radius; each property grows with its power of the size; floats, arrays and CasADi's
+    symbols give the same; flat walls lie in the material, as thick and as wide as they say; the bore is the largest circle of a
+    hollow. Seconds. A shape need not be registered.
     """
     faults: list[str] = []
     try:
@@ -107,6 +107,10 @@ def _faults(section: Section) -> Iterator[str]:
     height = float(stated.height)
     if np.abs(central[0].max(axis=0) - loops[0].max(axis=0)).max() > _CENTRE * height:
         yield "its outline is not about the centroid"
+    farthest = max(float(np.linalg.norm(loop, axis=1).max()) for loop in loops)
+    if not section.greatest_radius >= farthest * (1.0 - _CENTRE):
+        radius = f"{1e3 * float(section.greatest_radius):.4g} mm"
+        yield f"its greatest radius is {radius} where its outline has {1e3 * farthest:.4g} mm"
     yield from _by_outline(section, stated, central)
     yield from _alike(section, stated)
     yield from _walls(section, loops, stated)

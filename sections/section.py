@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from linkwright.core.sections.formulas.by_ratios import FITTED, figures_by_ratios, fitted_range
 from linkwright.core.sections.formulas.outlines import with_shear
-from linkwright.core.sections.numeric import Number, is_symbol
+from linkwright.core.sections.numeric import Number, is_symbol, sqrt
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.wall import Wall, WallKind
 
@@ -28,6 +28,7 @@ Outline: TypeAlias = list[NDArray[np.float64]]
 LEAST_OPENING = 0.02
 """A hollow or flanged section keeps at least this fraction of its size free of wall."""
 
+_ANY_POISSON_RATIO = 0.3
 _ALSO_CALLED = MappingProxyType(
     {
         "diameter": ("d", "dia", "outer_diameter", "od", "size"),
@@ -184,6 +185,13 @@ class Section(ABC):
         if figures is None:
             raise SectionError("shape", f"a {self.shape} has no formulas for sizes that are to be chosen")
         return with_shear(figures, poisson_square(poisson_ratio), size)
+
+    @property
+    def greatest_radius(self) -> Number:
+        """How far it reaches from its centroid at most, m; where a shape says nothing, as far as the corner of a box
+        about it."""
+        properties = self.properties(_ANY_POISSON_RATIO)
+        return sqrt(properties.extreme_fibre_y**2 + properties.extreme_fibre_z**2)
 
     @abstractmethod
     def outline(self) -> Outline:

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.sections.build import build
-from linkwright.core.sections.numeric import Number
+from linkwright.core.sections.numeric import Number, maximum
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import Constraint, DesignVariable, Dimension, Outline, Section, SectionError
 from linkwright.core.sections.shapes import SHAPES
@@ -60,6 +60,11 @@ class Tapered(Section):
         return type(self.near)(
             **{name: value + share * (far[name] - value) for name, value in self.near.given().items()}
         )
+
+    @property
+    def greatest_radius(self) -> Number:
+        """That of the larger end."""
+        return maximum(self.near.greatest_radius, self.far.greatest_radius)
 
     def outline(self) -> Outline:
         """The outline at the joint."""

@@ -2,20 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
-from linkwright.core.arm.chain.arrays import columns
-from linkwright.core.arm.chain.branches import ways
-from linkwright.core.arm.chain.chain import Arm, Link
+from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.following import completed
-from linkwright.core.arm.chain.kinematics import place
 from linkwright.core.sections.numeric import Array
-from linkwright.core.sections.section import Section
 
+from .obstacle import TOUCHES, Obstacle, frames_and_tips, pieces
 from .regions import Region, around
 
 
@@ -34,10 +31,10 @@ _DRAWS = 16
 
 @dataclass(frozen=True)
 class Room:
-    """Where poses may put an arm: out of the regions to `avoid`, and with all joints' frames and tips `within` one
+    """Where poses may put an arm: clear of what is to `avoid`, and with all joints' frames and tips `within` one
     (None: anywhere), its joints within `spans` (rad, m; least and greatest; none: the whole of their ranges)."""
 
-    avoid: tuple[Region, ...] = ()
+    avoid: tuple[Obstacle, ...] = ()
     within: Region | None = None
     spans: tuple[tuple[float, float], ...] = ()
 
@@ -72,7 +69,7 @@ class Room:
         return q[keep]
 
 
-def room_of(arm: Arm, recorded: Array | None, avoid: Sequence[Region] = ()) -> Room:
+def room_of(arm: Arm, recorded: Array | None, avoid: Sequence[Obstacle] = ()) -> Room:
     """Where proposed poses may put an arm: out of what its file and others say is to be avoided; where nobody says
     anything, within the boxes of the joint coordinates and of all joints' frames and tips at the poses that were
     `recorded` (N, n). Both are asked: a frame gets back into its box by a turn that was never recorded."""
@@ -105,52 +102,12 @@ def approach(arm: Arm) -> Array:
     return np.minimum(far, _MOST_RUN * span)
 
 
-def meets(arm: Arm, q: Array, regions: Sequence[Region]) -> NDArray[np.bool_]:
-    """Whether a joint's frame, a link or a tip is in one of some regions at poses q (P, n). A link is a cylinder about
-    the line from joint to joint, as thick as its section is in any direction; of unknown section it is the line.
-
-    What no pose moves, the base up to the first joint, is not asked, and there the first link's thickness begins.
-    """
+def meets(arm: Arm, q: Array, obstacles: Sequence[Obstacle]) -> NDArray[np.bool_]:
+    """Whether a link or a tip is not clear of some obstacles at poses q (P, n). A link is a cylinder about the line
+    from joint to joint, as thick as its section is in any direction; of unknown section it is the line."""
     hit = np.zeros(len(q), dtype=np.bool_)
-    for fixed, start, along, radius in _pieces(arm, q):
-        thick = start, along
-        if fixed:
-            length = np.linalg.norm(along, axis=1, keepdims=True)
-            shift = np.minimum(radius / np.where(length > 0.0, length, 1.0), 1.0) * along
-            thick = start + shift, along - shift
-        for region in regions:
-            hit |= region.crosses(start, along)
-            if radius > 0.0:
-                hit |= region.crosses(*thick, radius)
+    parts = list(pieces(arm, list(q.T)))
+    for obstacle in obstacles:
+        for numbers in obstacle.asks(parts):
+            hit |= obstacle.closest([parts[number] for number in numbers], len(q))[0] < -TOUCHES
     return hit
-
-
-def frames_and_tips(arm: Arm, q: Array) -> Array:
-    """Where the frames of all joints and the tips are at poses q (P, n): (P, F, 3), m."""
-    return np.stack([start + along for _, start, along, _ in _pieces(arm, q, everything=True)], axis=1)
-
-
-def _pieces(arm: Arm, q: Array, *, everything: bool = False) -> Iterator[tuple[bool, Array, Array, float]]:
-    """The straight pieces of an arm at poses q (P, n): whether it begins where no pose moves it, its beginning and
-    itself (P, 3) and its radius, m. The piece from the base to a joint that turns is the same at all poses and comes
-    only with `everything`."""
-    for way in ways(arm):
-        frames, point = place(way.arm, [q[:, joint] for joint in way.joints]), np.zeros((len(q), 3))
-        for index, (joint, link) in enumerate(zip(frames.joints, frames.links, strict=True)):
-            still = index == 0 and way.arm.joints[0].revolute
-            lead, reach = columns(joint.lead, len(q)), columns(link.vector, len(q))
-            if everything or not still:
-                yield False, point, lead, 0.0
-            point = point + lead
-            yield still, point, reach, half_size(way.arm.links[index])
-            point = point + reach
-        yield False, point, columns(frames.tool, len(q)), 0.0
-
-
-def half_size(link: Link) -> float:
-    """How far a link's section reaches from its axis at most, m; 0 where the section is not known."""
-    return 0.0 if link.section is None else max(map(_farthest, link.section.ends))
-
-
-def _farthest(section: Section) -> float:
-    return max(float(np.linalg.norm(ring, axis=1).max()) for ring in section.outline())

@@ -33,6 +33,7 @@ from .limit import KEPT_WITHIN, Demands, Limit, broken, excess, figures_of, shor
 from .local_buckling import LOCAL_BUCKLING
 from .motion.cycle import MOTION_USE, PEAK_TORQUE, RMS_TORQUE
 from .proportions import ASPECT, INNER_SIZE, SECTION_HEIGHT, SECTION_WIDTH
+from .separation import SEPARATION
 from .statics import OfStatics, at_poses
 from .strength import BUCKLING, SAFETY_FACTOR
 from .sums import COST, MASS, MATERIALS, PARTS, PAYLOAD, REACH, TOTAL_MASS
@@ -98,6 +99,7 @@ FIGURES.ship(
     SIDEWAYS_STIFFNESS,
     ORIENTATION_ERROR,
     REPEATABILITY,
+    SEPARATION,
     MATERIALS,
     PARTS,
 )

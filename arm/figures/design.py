@@ -72,6 +72,8 @@ class DesignExpressions:
     mass: Any
     cost: Any
     reach: Any
+    radii: tuple[Any, ...]
+    """How far each link's section reaches from its axis at most, m."""
     hung: Any = 0.0
     """By how much counterweights (kg) are heavier than those of the arm as given."""
 

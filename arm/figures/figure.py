@@ -21,6 +21,7 @@ from .design import DesignExpressions, Designs, DesignValues, Totals
 
 if TYPE_CHECKING:
     from linkwright.core.arm.actuators import Actuator
+    from linkwright.core.arm.avoid.obstacle import Obstacle
     from linkwright.core.arm.chain.chain import Arm, LoadCase
     from linkwright.core.arm.evaluation import Evaluation
     from linkwright.core.arm.worst.workspace import Workspace
@@ -74,6 +75,11 @@ class Asked(Protocol):
     @property
     def limits(self) -> tuple[Limit, ...]:
         """The limits in the problem's order, by which they are numbered."""
+        ...
+
+    @property
+    def avoid(self) -> tuple[Obstacle, ...]:
+        """What it says is to be avoided; the arm has that as well."""
         ...
 
     @property

@@ -1,10 +1,12 @@
-"""Regions to keep out of, as arm files, recordings' settings and problems hold them."""
+"""What to keep clear of, as arm files, recordings' settings and problems hold them."""
 
 from __future__ import annotations
 
 import math
 from typing import Any, Literal
 
+from linkwright.core.arm.avoid.links import OtherLinks
+from linkwright.core.arm.avoid.obstacle import Obstacle
 from linkwright.core.arm.avoid.regions import AXES, Region, between, beyond
 from linkwright.core.units.quantities import format_quantity, read_quantity, shown
 from linkwright.core.units.reading import Mapping
@@ -13,17 +15,21 @@ _EXAMPLE = "{below: {z: 0 mm}} or {box: [[0 m, -1 m, 0 m], [1 m, 1 m, 0.4 m]]}"
 _SIDES: tuple[Literal["below", "above"], ...] = ("below", "above")
 
 
-def read_avoid(mapping: Mapping) -> tuple[Region, ...]:
-    """The regions under `avoid`, none where it is absent: `{box: [corner, corner]}`, and `{below: {z: 0 mm}}` or
-    `above`, of x, y or z. Raises `InputError`."""
-    return tuple(_region(entry) for entry in mapping.mappings("avoid")) if mapping.has("avoid") else ()
+def read_avoid(mapping: Mapping) -> tuple[Obstacle, ...]:
+    """What is under `avoid`, none where it is absent: `{box: [corner, corner]}`, `{below: {z: 0 mm}}` or `above`, of x,
+    y or z, and `{links: true}`. Raises `InputError`."""
+    return tuple(_obstacle(entry) for entry in mapping.mappings("avoid")) if mapping.has("avoid") else ()
 
 
-def _region(entry: Mapping) -> Region:
+def _obstacle(entry: Mapping) -> Obstacle:
     with entry.reading():
-        kinds = [name for name in ("box", *_SIDES) if entry.has(name)]
+        kinds = [name for name in ("box", *_SIDES, "links") if entry.has(name)]
         if len(kinds) != 1:
-            raise entry.error("", f"needs one of box, below and above, e.g. {_EXAMPLE}")
+            raise entry.error("", f"needs one of box, below, above and links, e.g. {_EXAMPLE}")
+        if kinds[0] == "links":
+            if entry.raw("links") is not True:
+                raise entry.error("links", "is true: links that share no joint keep clear of one another")
+            return OtherLinks()
         if kinds[0] == "box":
             corners = entry.items("box")
             corner_values = [_corner(entry, value, number) for number, value in enumerate(corners, start=1)]
@@ -48,9 +54,9 @@ def _corner(entry: Mapping, value: object, number: int) -> list[float]:
     ]
 
 
-def avoid_to_list(regions: tuple[Region, ...]) -> list[dict[str, Any]]:
-    """Regions as a file holds them."""
-    return [_to_mapping(region) for region in regions]
+def avoid_to_list(obstacles: tuple[Obstacle, ...]) -> list[dict[str, Any]]:
+    """What is to be avoided as a file holds it."""
+    return [_to_mapping(item) if isinstance(item, Region) else {"links": True} for item in obstacles]
 
 
 def _to_mapping(region: Region) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from pathlib import Path
 from types import MappingProxyType
 from typing import Literal, cast
 
-from linkwright.core.arm.avoid.regions import Region
+from linkwright.core.arm.avoid.obstacle import Obstacle
 from linkwright.core.arm.files.avoid import read_avoid
 from linkwright.core.diagnose.instruments.instrument import Instrument
 from linkwright.core.diagnose.instruments.observes import read_instrument
@@ -63,7 +63,7 @@ class ReadingSettings:
     date: str = ""
     instrument: Instrument | None = None
     tip: str = ""
-    avoid: tuple[Region, ...] = ()
+    avoid: tuple[Obstacle, ...] = ()
     motion: MotionSettings | None = None
 
     @property

@@ -8,8 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from linkwright.core.arm.avoid.obstacle import Obstacle
 from linkwright.core.arm.avoid.poses import NoRoom, Room, room_of
-from linkwright.core.arm.avoid.regions import Region
 from linkwright.core.arm.chain.chain import Arm, LoadCase
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.worst.search import WorstSearch
@@ -99,7 +99,7 @@ def budget(
     workspace: Workspace | None = None,
     load_cases: Sequence[LoadCase] = (),
     *,
-    avoid: Sequence[Region] = (),
+    avoid: Sequence[Obstacle] = (),
     progress: Heard | None = None,
 ) -> Budget:
     """The budget of an arm over a workspace (its joint ranges by default) and load cases (its payload by default),

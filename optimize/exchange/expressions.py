@@ -55,7 +55,7 @@ def mode_count(shape: str) -> int:
     return len(modes_of(section, section.properties(0.3), material_values(np.ones(len(MATERIAL_FIELDS)), 0)) or ())
 
 
-LINK_FIELDS = (*BEAM_FIELDS, *STRENGTH_FIELDS, "mass", "cost")
+LINK_FIELDS = (*BEAM_FIELDS, *STRENGTH_FIELDS, "mass", "cost", "radius")
 """What rows that see no section know of a link, beside how its walls buckle: all links together settle them."""
 
 
@@ -81,7 +81,8 @@ class LinkExpressions:
     def column(self) -> dict[str, Any]:
         """Its values by `link_fields`, 0 where it has none."""
         strength = [1.0 if self.properties is None else getattr(self.properties, name) for name in STRENGTH_FIELDS]
-        entries = [*(getattr(self.beam, name) for name in BEAM_FIELDS), *strength, self.mass, self.cost]
+        radius = 0.0 if self.section is None else self.section.greatest_radius
+        entries = [*(getattr(self.beam, name) for name in BEAM_FIELDS), *strength, self.mass, self.cost, radius]
         entries += [getattr(mode, item.name) for mode in self.modes for item in fields(Mode)]
         names = link_fields(len(self.modes))
         return {name: ca.SX(0.0 if entry is None else entry) for name, entry in zip(names, entries, strict=True)}
@@ -133,6 +134,7 @@ def expressions(space: DesignSpace, x: Any, materials: Any) -> DesignExpressions
         sum((link.mass for link in links), 0.0),
         sum((link.cost for link in links), 0.0),
         sum(space.sections_and_lengths(x)[1]),
+        tuple(column["radius"] for column in columns),
         space.hung(x),
     )
 
@@ -160,4 +162,5 @@ def expressions_of_links(problem: Problem, modes: int, columns: Any, materials: 
         sum(link["mass"] for link in of_links),
         sum(link["cost"] for link in of_links),
         sum(beam.length for beam in beams),
+        tuple(link["radius"] for link in of_links),
     )

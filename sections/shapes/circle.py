@@ -59,6 +59,11 @@ class Circle(Section):
             height=d,
         )
 
+    @property
+    def greatest_radius(self) -> Number:
+        """Half of its diameter, m."""
+        return 0.5 * self.diameter
+
     def outline(self) -> Outline:
         """One circle."""
         return [ellipse_points(self.diameter, self.diameter)]

@@ -6,7 +6,7 @@ import math
 from dataclasses import dataclass
 from typing import ClassVar
 
-from linkwright.core.sections.numeric import Number, minimum
+from linkwright.core.sections.numeric import Number, maximum, minimum
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import (
     Dimension,
@@ -60,6 +60,11 @@ class Ellipse(Section):
             width=b,
             height=h,
         )
+
+    @property
+    def greatest_radius(self) -> Number:
+        """Half of its longer axis, m."""
+        return 0.5 * maximum(self.width, self.height)
 
     def outline(self) -> Outline:
         """One ellipse."""

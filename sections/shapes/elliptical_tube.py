@@ -9,7 +9,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from linkwright.core.sections.numeric import Number, minimum, sqrt
+from linkwright.core.sections.numeric import Number, maximum, minimum, sqrt
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import (
     CURVE_POINTS,
@@ -123,6 +123,11 @@ class EllipticalTube(Section):
             width=b,
             height=h,
         )
+
+    @property
+    def greatest_radius(self) -> Number:
+        """Half of its longer axis, m."""
+        return 0.5 * maximum(self.width, self.height)
 
     def outline(self) -> Outline:
         """The ellipse, and the curve a wall inside it."""

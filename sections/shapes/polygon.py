@@ -76,6 +76,11 @@ class Polygon(Section):
         """
         return with_shear(self._outlined.figures, poisson_square(poisson_ratio))
 
+    @property
+    def greatest_radius(self) -> float:
+        """How far its farthest corner is from the centroid, m."""
+        return max(float(np.linalg.norm(ring, axis=1).max()) for ring in self.outline())
+
     def outline(self) -> Outline:
         """The polygon and its holes."""
         return [closed([(float(y), float(z)) for y, z in loop]) for loop in self._outlined.loops]

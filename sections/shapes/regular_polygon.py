@@ -90,6 +90,11 @@ class RegularPolygon(Section):
             height=across,
         )
 
+    @property
+    def greatest_radius(self) -> Number:
+        """Half of its size across corners, m."""
+        return 0.5 * self.across / math.cos(math.pi / self.sides)
+
     def outline(self) -> Outline:
         """Its edges, closed by the very point with which they begin: meshers take one beside it for an edge."""
         angle = -0.5 * math.pi + math.pi / self.sides * (1.0 + 2.0 * np.arange(self.sides))

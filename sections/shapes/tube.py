@@ -107,6 +107,11 @@ class Tube(Section):
             height=self.diameter,
         )
 
+    @property
+    def greatest_radius(self) -> Number:
+        """Half of its diameter, m."""
+        return 0.5 * self.diameter
+
     def outline(self) -> Outline:
         """The outer circle and the bore."""
         bore = self.diameter - 2.0 * self.thickness

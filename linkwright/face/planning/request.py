@@ -10,8 +10,8 @@ from typing import Any, Literal
 import numpy as np
 
 import linkwright as lw
+from linkwright.core.arm.avoid.obstacle import Obstacle
 from linkwright.core.arm.avoid.poses import NoRoom, room_of
-from linkwright.core.arm.avoid.regions import Region
 from linkwright.core.arm.effects import EFFECTS
 from linkwright.core.arm.files.avoid import read_avoid
 from linkwright.core.diagnose.instruments.instrument import Instrument
@@ -324,7 +324,7 @@ def place_of(name: str, arm: Arm) -> Place:
 
 def regions_of(
     given: Sequence[Mapping[str, Any] | tuple[Sequence[Quantity], Sequence[Quantity]]],
-) -> tuple[Region, ...]:
+) -> tuple[Obstacle, ...]:
     """Regions as an arm file holds them; a pair of corners is a box."""
     entries = [item if isinstance(item, Mapping) else {"box": [list(corner) for corner in item]} for item in given]
     try:

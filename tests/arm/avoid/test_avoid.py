@@ -10,7 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import linkwright as lw
-from linkwright.core.arm.avoid.poses import Room, frames_and_tips, half_size, meets, room_of
+from linkwright.core.arm.avoid.links import OtherLinks
+from linkwright.core.arm.avoid.obstacle import Piece, frames_and_tips, half_size, pieces
+from linkwright.core.arm.avoid.poses import Room, meets, room_of
 from linkwright.core.arm.avoid.regions import Region, around, between, beyond
 from linkwright.core.arm.chain.chain import Arm, Joint, Link
 from linkwright.core.arm.chain.kinematics import place, tip_position
@@ -153,15 +155,15 @@ def test_regions_are_read_and_written_as_they_are(tmp_path):
 @pytest.mark.parametrize(
     ("said", "fault"),
     [
-        ("[{}]", r"avoid\[1\]: needs one of box, below and above"),
-        ("[{below: {z: 0 mm}, above: {z: 2 m}}]", r"avoid\[1\]: needs one of box, below and above"),
+        ("[{}]", r"avoid\[1\]: needs one of box, below, above and links"),
+        ("[{below: {z: 0 mm}, above: {z: 2 m}}]", r"avoid\[1\]: needs one of box, below, above and links"),
         ("[{below: {z: 0 mm, x: 1 m}}]", r"avoid\[1\]\.below: needs one of x, y and z"),
         ("[{below: {q: 0 mm}}]", r"avoid\[1\]\.below: "),
         ("[{below: {z: 3}}]", r"avoid\[1\]\.below\.z"),
         ("[{box: [[0 m, 0 m, 0 m]]}]", r"avoid\[1\]\.box: needs two corners"),
         ("[{box: [[0 m, 0 m, 0 m], [1 m, 1 m]]}]", r"avoid\[1\]\.box: needs two corners"),
         ("[{box: [0 m, 1 m]}]", r"avoid\[1\]\.box\[1\]: is a corner of two or three coordinates"),
-        ("[{bellow: {z: 0 mm}}]", r"needs one of box, below and above"),
+        ("[{bellow: {z: 0 mm}}]", r"needs one of box, below, above and links"),
         ("{below: {z: 0 mm}}", r"avoid: needs a list"),
     ],
 )
@@ -210,3 +212,45 @@ def test_a_budget_counts_poses_that_may_be(tmp_path):
     by_problem = lw.budget(path, sheet=sheet, problem=problem)
     assert by_problem.found.room == Room((FLOOR,))
     assert not meets(upright_arm(), np.array([by_problem.found.pose]), (FLOOR,)).any()
+
+
+@settings(max_examples=60, deadline=None)
+@given(st.integers(0, 2**32 - 1))
+def test_the_nearest_points_are_those_of_many_along_the_pieces(seed):
+    rng = np.random.default_rng(seed)
+    starts, vectors = rng.uniform(-1.0, 1.0, (2, 2, 3))
+    along = vectors / np.linalg.norm(vectors, axis=1)[:, None]
+    one, other = (
+        Piece("link", 3 * k, 3 * k - 1, tuple(starts[k]), tuple(vectors[k]), 0.05 * (k + 1), tuple(along[k]))
+        for k in range(2)
+    )
+    share = np.linspace(0.0, 1.0, 401)
+    points = [starts[k] + share[:, None] * vectors[k] for k in range(2)]
+    box = between(*rng.uniform(-0.5, 0.5, (2, 3)))
+    out = 0.05 * np.sqrt(1.0 - along[0] ** 2)
+    gaps = np.maximum(np.array(box.low) - points[0] - out, points[0] - np.array(box.high) - out).max(axis=1)
+    (gap,), (shares,) = box.closest((one,), 1)
+    assert gaps.min() - 0.005 * np.linalg.norm(vectors[0]) <= gap <= gaps.min() + 1e-12
+    assert float(box.gap((one,), shares)) == pytest.approx(gap, abs=1e-12)
+    apart = np.linalg.norm(points[0][:, None] - points[1][None], axis=2).min() - 0.15
+    (gap,), (shares,) = OtherLinks().closest((one, other), 1)
+    assert apart - 0.01 <= gap <= apart + 1e-12
+    assert float(OtherLinks().gap((one, other), shares)) == pytest.approx(gap, abs=1e-12)
+
+
+def test_links_that_share_no_joint_are_asked_of():
+    """Four links and a tool: each but with its neighbours; two arms on one torso: each link of one with each of the
+    other but the first two, which share the torso's end."""
+    asked = OtherLinks().asks(list(pieces(_chain(4, tool=(0.1, 0.0, 0.0)), [0.0] * 4)))
+    assert asked == [(0, 2), (0, 3), (0, 4), (1, 3), (1, 4), (2, 4)]
+
+
+def _chain(size, tool):
+    link = Link(0.3, section=Circle(0.05), material=ALUMINIUM)
+    return Arm("chain", (Joint(),) * size, (link,) * size, tool=tool)
+
+
+def test_folded_links_meet_each_other():
+    arm = _chain(3, (0.0, 0.0, 0.0))
+    q = np.radians([[0.0, 0.0, 0.0], [0.0, 120.0, 120.0], [0.0, 150.0, 150.0], [0.0, 100.0, 10.0]])
+    assert meets(arm, q, (OtherLinks(),)).tolist() == [False, True, True, False]

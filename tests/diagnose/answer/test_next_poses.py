@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from linkwright.core.arm.avoid.poses import Room, frames_and_tips, meets
+from linkwright.core.arm.avoid.obstacle import frames_and_tips
+from linkwright.core.arm.avoid.poses import Room, meets
 from linkwright.core.arm.avoid.regions import between, beyond
 from linkwright.core.diagnose.answer.next_poses import (  # pyright: ignore[reportPrivateUsage]
     _greedy,

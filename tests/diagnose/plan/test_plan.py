@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from linkwright.core.arm.avoid.poses import NoRoom, Room, approach, frames_and_tips, meets, room_of
+from linkwright.core.arm.avoid.obstacle import frames_and_tips
+from linkwright.core.arm.avoid.poses import NoRoom, Room, approach, meets, room_of
 from linkwright.core.arm.avoid.regions import between
 from linkwright.core.arm.chain.chain import Link
 from linkwright.core.arm.chain.kinematics import tip_position
