@@ -60,8 +60,8 @@ def check_shape(kind: type[Section], *given: Section) -> None:
     boundary element solution of torsion and shear within it (J within 3 %, shear areas within 4 %, the shear centre
     within 1 % of the height, the torsion modulus within 40 %); the outline closed, about the centroid, of plain
     numbers and within the greatest radius; each property grows with its power of the size; floats, arrays and CasADi's
-    symbols give the same; flat walls lie in the material, as thick and as wide as they say; the bore is the largest circle of a
-    hollow. Seconds. A shape need not be registered.
+    symbols give the same; flat walls lie in the material, as thick and as wide as they say; the bore is the largest
+    circle of a hollow. Seconds. A shape need not be registered.
     """
     faults: list[str] = []
     try:
