@@ -2,7 +2,7 @@
 
 Every figure is of this machine at this time, and CPU time where nothing else is said, so that other work on the machine
 says little; ratios are of sides run one after the other. `--page` writes the page
-that docs/how-to/workshop.md links.
+that docs/how-to/workshop.md links; sections that were not asked for stay in it as they were.
 Exit status 1 where a target is missed, but with `--quick`, which measures too little to say so.
 """
 
@@ -33,7 +33,7 @@ SECTIONS: dict[str, tuple[str, Section]] = {
     "links": ("Cost by the number of links", links),
     "commands": ("Commands", commands),
     "millions": ("Choice among millions", millions),
-    "questions": ("Further questions against every choice singly", questions),
+    "questions": ("What can be asked, against every choice singly or independent physics", questions),
     "executors": ("Executors", executors),
     "scans": ("Scans against bounds", random_scans),
 }
@@ -44,18 +44,30 @@ nothing else is said; ratios are of sides run one after the other in one run, th
 """
 
 
-def page(found: dict[str, list[Row]], *, quick: bool) -> str:
-    """The page in Markdown."""
+def sections_of(page: str) -> dict[str, str]:
+    """The sections of a page in Markdown, by their titles."""
+    return {part.partition("\n")[0]: part.partition("\n")[2].strip() for part in page.split("\n## ")[1:]}
+
+
+def _section(rows: list[Row]) -> str:
+    words = {True: "met", False: "**missed**", None: ""}
+    lines = [f"| {row.what} | {row.figure} | {row.target} | {words[row.met]} | {row.note} |" for row in rows]
+    return "\n".join(["| what | measured | target | | |", "|---|---|---|---|---|", *lines])
+
+
+def page(results: dict[str, list[Row]], before: str = "", *, quick: bool) -> str:
+    """The page in Markdown; sections that were not measured stay as they were `before`."""
     cores, versions = os.cpu_count(), f"NumPy {np.__version__}, SciPy {scipy.__version__}, CasADi {casadi.__version__}"
     left_out = ", fewest rounds, slow rivals left out" if quick else ""
     lines = [OPENING, f"{cores} cores, Python {platform.python_version()}, {versions}{left_out}.", ""]
-    missed = [row for rows in found.values() for row in rows if row.met is False]
-    lines += [f"Targets missed: {'; '.join(f'{row.what} ({row.figure})' for row in missed) or 'none'}.", ""]
-    for key, rows in found.items():
-        lines += [f"## {SECTIONS[key][0]}", "", "| what | measured | target | | |", "|---|---|---|---|---|"]
-        words = {True: "met", False: "**missed**", None: ""}
-        lines += [f"| {row.what} | {row.figure} | {row.target} | {words[row.met]} | {row.note} |" for row in rows]
-        lines.append("")
+    kept = sections_of(before)
+    measured = {title: _section(results[key]) for key, (title, _) in SECTIONS.items() if key in results}
+    every = {title: measured.get(title) or kept.get(title) for title, _ in SECTIONS.values()}
+    shown = {title: text for title, text in every.items() if text}
+    missed = [line.split(" | ") for text in shown.values() for line in text.splitlines() if "| **missed** |" in line]
+    lines += [f"Targets missed: {'; '.join(f'{cells[0][2:]} ({cells[1]})' for cells in missed) or 'none'}.", ""]
+    for title, text in shown.items():
+        lines += [f"## {title}", "", text, ""]
     return "\n".join(lines)
 
 
@@ -67,12 +79,15 @@ def main() -> int:
     parser.add_argument("--page", type=Path, help="the page to write")
     arguments = parser.parse_args()
     results: dict[str, list[Row]] = {}
+    before = ""
+    if arguments.page is not None and arguments.page.is_file():
+        before = arguments.page.read_text(encoding="utf-8")
     for key in arguments.only:
         title, section = SECTIONS[key]
         print(title, flush=True)
         results[key] = section(quick=arguments.quick)
         if arguments.page is not None:
-            arguments.page.write_text(page(results, quick=arguments.quick), encoding="utf-8")
+            arguments.page.write_text(page(results, before, quick=arguments.quick), encoding="utf-8")
         for row in results[key]:
             verdict = {True: "met", False: "MISSED", None: ""}[row.met]
             print(f"  {row.what}: {row.figure} ({row.target or 'no target'}) {verdict} {row.note}", flush=True)

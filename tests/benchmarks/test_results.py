@@ -43,3 +43,13 @@ def test_page_says_what_misses_its_target() -> None:
     assert [row.met for row in rows] == [True, False, True, None]
     assert "Targets missed: slow (3 times)." in text
     assert "| slow | 3 times | at least 5 | **missed** | why |" in text
+
+
+def test_sections_that_are_not_measured_anew_stay() -> None:
+    first, second = list(SECTIONS)[:2]
+    before = page({first: [at_least("fast", 7.0, 5.0)], second: [at_least("slow", 3.0, 5.0)]}, quick=False)
+    text = page({first: [at_least("fast", 8.0, 5.0)]}, before, quick=False)
+    assert "| fast | 8 times |" in text
+    assert "| slow | 3 times | at least 5 | **missed** |  |" in text
+    assert "Targets missed: slow (3 times)." in text
+    assert text.index("fast") < text.index("## " + SECTIONS[second][0])
