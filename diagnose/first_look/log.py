@@ -112,7 +112,7 @@ def _without_lag(log: MotionLog, headers: Headers, rules: Rules) -> MotionLog:
     """The log without speeds that a causal filter made late: they are then the coordinates' own."""
     if log.velocity is None:
         return log
-    interval = float(np.median(np.diff(log.time)))
+    interval = log.interval
     width = max(1, round(rules.log.convention_window / interval))
     if interval > rules.log.convention_window:
         return log
@@ -146,7 +146,7 @@ def _refuse_speeds(log: MotionLog, headers: Headers, rules: Rules) -> None:
     """Refuse speeds that are not those of the coordinates: the other way, in another unit."""
     if log.velocity is None:
         return
-    interval = float(np.median(np.diff(log.time)))
+    interval = log.interval
     width = max(1, round(rules.log.convention_window / interval))
     steps = np.gradient(moving_average(log.q, width), log.time, axis=0)
     speeds = moving_average(log.velocity, width)

@@ -495,7 +495,7 @@ def _sparse(prepared: Sequence[PreparedLog]) -> tuple[str, ...]:
 
 
 def _rates(logs: Sequence[MotionLog]) -> tuple[float, ...]:
-    return tuple(1.0 / float(np.median(np.diff(log.time))) for log in logs)
+    return tuple(1.0 / log.interval for log in logs)
 
 
 def _together(each: Array) -> float:

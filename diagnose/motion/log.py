@@ -95,6 +95,11 @@ class MotionLog:
         """The number of samples, N."""
         return len(self.time)
 
+    @property
+    def interval(self) -> float:
+        """s, the median from one sample to the next."""
+        return float(np.median(np.diff(self.time)))
+
     def saying(self, *sentences: str) -> MotionLog:
         """The log with further sentences, but for empty ones."""
         return replace(self, warnings=(*self.warnings, *(each for each in sentences if each)))

@@ -154,7 +154,7 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
     """
     if log.q.shape[1] != arm.size:
         raise InputError(log.file, "", f"the log has {log.q.shape[1]} joints, the arm {arm.size}")
-    step = float(np.median(np.diff(log.time)))
+    step = log.interval
     rate = 1.0 / step
     held = _HELD * rate >= min(log.cutoff or np.inf, rules.motion.low_pass[0])
     times = _clocks(log, max(rules.motion.gap, rules.log.gap * step), step if held else None)

@@ -96,7 +96,7 @@ def _in_order(log: MotionLog, headers: Headers, rules: Rules) -> MotionLog:
         log = _rejecting(
             log, dict.fromkeys(np.flatnonzero(stray).tolist(), f"{name} runs backwards against the samples around it")
         )
-    interval = float(np.median(np.diff(log.time)))
+    interval = log.interval
     if not interval and np.ptp(log.time):
         interval = float(np.ptp(log.time)) / log.size
     if not rules.log.intervals[0] <= interval <= rules.log.intervals[1]:
