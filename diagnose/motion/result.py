@@ -261,7 +261,7 @@ class MotionDiagnosis:
     of_logs: tuple[OfLog, ...]
     corrected: Arm
     notes: tuple[str, ...]
-    seconds: float
+    seconds: float = 0.0
     written: WrittenArm | None = None
     rivals: Rivals | None = None
     beyond: tuple[float, ...] = ()

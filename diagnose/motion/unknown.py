@@ -1,22 +1,65 @@
-"""Structure that nothing in the library explains: what the torque left depends on, and whether by chance."""
+"""What is left of each joint's torque, where no few causes explain it, and what it depends on beyond chance."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from types import MappingProxyType
 
 import numpy as np
 from numpy.typing import NDArray
 
+from linkwright.core.diagnose.options import Options
 from linkwright.core.diagnose.rules.rules import Rules
 from linkwright.core.sections.numeric import Array
 
+from .events.changed import change_of
+from .judged import Judged
 from .model.chance import DRAWS
-from .result import Change, MotionUnknown, OfJoint
+from .model.identify import Identified
+from .preparation import PreparedLog
+from .result import MotionFinding, MotionUnknown, OfJoint
 
 _BINS = 10
 """Bins of equal counts over whatever the residual may depend on."""
+
+
+@dataclass(frozen=True)
+class Residuals:
+    """RMS (n,) N*m by joint: as given, of the file, of the file held out, of the names held out, and what the whole
+    library leaves (`floor`), NaN where a joint stood still; `sensors` is the noise of the sensors themselves."""
+
+    before: Array
+    after: Array
+    held_out: Array
+    of_named: Array
+    floor: Array
+    sensors: Array
+
+
+def residuals(identified: Identified, judge: Judged, given: Array) -> Residuals:
+    """What is left by joint, where the arm as given leaves the squares `given` (B, n)."""
+    counts = judge.counts.sum(axis=0)
+    squares = (given, judge.written.left, judge.written.held_out, judge.named.beside[1])
+    rms = (np.sqrt(each.sum(axis=0) / np.maximum(counts, 1)) for each in squares)
+    # Nobody knows what a model is worth at a joint that stood still.
+    left = (np.where(counts > 0, each, np.nan) for each in (*rms, identified.noise.sigma))
+    return Residuals(*left, sensor_noise([row.prepared for row in identified.rows]))
+
+
+def sensor_noise(prepared: Sequence[PreparedLog]) -> Array:
+    """The noise (n,) N*m that the sensors are heard to have."""
+    return np.asarray(np.sqrt(np.mean([np.square(log.noise()) for log in prepared], axis=0)))
+
+
+def beyond_noise(floor: Array, torque: Array, sensors: Array, rules: Rules) -> NDArray[np.bool_]:
+    """At which joints (n,) so much is left that it is no noise."""
+    share = floor / torque
+    beyond = (share > rules.motion.unexplained) & (
+        share > np.minimum(rules.motion.uneven * np.nanmedian(share), rules.motion.never_noise)
+    )
+    # What depends on something is no noise where it is as loud as the noise that the sensors are heard to have.
+    above = np.maximum(rules.motion.above_noise * sensors, rules.motion.filters * torque)
+    return beyond | (floor > above)  # well above what the sensors are heard to have, it is physics, if small
 
 
 @dataclass(frozen=True)
@@ -28,7 +71,38 @@ class Structure:
     p_value: float
 
 
-def structure(
+def structures(identified: Identified, options: Options) -> list[Structure]:
+    """What depends on something of what the whole library leaves of each joint's torque, over all logs."""
+    return [_of_joint(identified, joint, options) for joint in range(len(identified.torque))]
+
+
+def _of_joint(identified: Identified, joint: int, options: Options) -> Structure:
+    residual, number, parts = [], [], []
+    for log, rows in enumerate(identified.rows):
+        use = rows.prepared.moving[:, joint]
+        rows_here = rows.prepared.kept[use]
+        motion = rows.prepared.motion
+        residual.append((rows.target[:, joint] - rows.design[joint] @ identified.noise.sizes[rows.columns[joint]])[use])
+        number.append(np.full(len(rows_here), log))
+        temperature = None if motion.temperature is None else motion.temperature[rows_here]
+        parts.append(
+            _variables(
+                joint,
+                motion.q[rows_here],
+                motion.velocity[rows_here],
+                motion.acceleration[rows_here],
+                rows.nominal[rows_here],
+                motion.time[rows_here],
+                temperature,
+            )
+        )
+    names = set.intersection(*(set(part) for part in parts))
+    joined = {name: np.concatenate([part[name] for part in parts]) for name in parts[0] if name in names}
+    way = np.sign(joined["speed"])
+    return _structure(np.concatenate(residual), way, np.concatenate(number), joined, options.seed, rules=options.rules)
+
+
+def _structure(
     residual: Array,
     way: Array,
     log: NDArray[np.int64],
@@ -99,7 +173,7 @@ def _shifts(log: NDArray[np.int64], seed: int) -> list[NDArray[np.int64]]:
     return shifts
 
 
-def variables(
+def _variables(
     joint: int, q: Array, velocity: Array, acceleration: Array, load: Array, time: Array, temperature: Array | None
 ) -> dict[str, Array]:
     """What a joint's residual may depend on (M,), by name: its angle, speed, acceleration, load, the time, and the
@@ -120,7 +194,7 @@ def variables(
     return values
 
 
-def depends(structures: Sequence[Structure]) -> tuple[str, ...]:
+def _depends(structures: Sequence[Structure]) -> tuple[str, ...]:
     """What several joints' residuals depend on, the commonest first."""
     counts: dict[str, float] = {}
     for item in structures:
@@ -129,30 +203,68 @@ def depends(structures: Sequence[Structure]) -> tuple[str, ...]:
     return tuple(sorted(counts, key=lambda name: -counts[name]))
 
 
-def unknown_of(
-    joints: Sequence[int],
+def unexplained(
+    identified: Identified,
+    left: Residuals,
     structures: Sequence[Structure],
     per_joint: Sequence[OfJoint],
-    stays: Mapping[int, float] = MappingProxyType({}),
+    named: Sequence[MotionFinding],
+    *,
+    rules: Rules,
 ) -> MotionUnknown | None:
-    """What stays unknown at some joints (from 1); None where there are none. Of some joints it is known what `stays`
-    (N*m), of the others it is what depends on something of what the whole library leaves."""
+    """What stays unknown beside what was named in the torques; None where nothing does."""
+    far = _far_from_floor(named, left, identified.torque, rules)
+    joints = sorted({*_misleading(named, left), *far, *_open_joints(identified, left, structures, per_joint, rules)})
     if not joints:
         return None
+    # Where names leave more than the library it is all of that, elsewhere what depends on something.
     sizes = {
-        joint: stays.get(joint, per_joint[joint - 1].floor * min(_share(structures[joint - 1]), 1.0) ** 0.5)
+        joint: float(left.of_named[joint - 1])
+        if joint in far
+        else per_joint[joint - 1].floor * min(_share(structures[joint - 1]), 1.0) ** 0.5
         for joint in joints
     }
     worst = max(joints, key=lambda joint: sizes[joint])
-    names = depends([structures[joint - 1] for joint in joints])
+    names = _depends([structures[joint - 1] for joint in joints])
     shape = f"changes with {names[0].replace('_', ' ')}" if names else "no pattern over angle, speed, load or time"
-    return MotionUnknown(tuple(joints), names, sizes[worst], shape, _decides(names), worst)
-
-
-def since(unknown: MotionUnknown, change: Change) -> MotionUnknown:
-    """What stays unknown, where it begins within a log."""
+    unknown = MotionUnknown(tuple(joints), names, sizes[worst], shape, _decides(names), worst)
+    change = change_of(identified, rules=rules)
+    if change is None:
+        return unknown
     shape = f"changes at {change.start.time:.4g} s"
     return replace(unknown, change=change, shape=shape, decide="the log before and after that instant, each by itself")
+
+
+def _open_joints(
+    identified: Identified,
+    left: Residuals,
+    structures: Sequence[Structure],
+    per_joint: Sequence[OfJoint],
+    rules: Rules,
+) -> list[int]:
+    """The joints (from 1) of which more is left than noise, or something that depends on the motion."""
+    beyond = beyond_noise(left.floor, identified.torque, left.sensors, rules)
+    least = np.minimum(rules.motion.unexplained * identified.torque, left.sensors)
+    return [
+        item.joint
+        for item, what, large in zip(per_joint, structures, beyond.tolist(), strict=True)
+        if large or (item.depends_on and item.floor * max(what.shares) ** 0.5 > least[item.joint - 1])
+    ]
+
+
+def _misleading(named: Sequence[MotionFinding], left: Residuals) -> list[int]:
+    """The joints (from 1) at which what is named foretells no other motion, and so is not what is there."""
+    claimed = np.sqrt(sum((np.square(item.rms_explained) for item in named), np.zeros(len(left.before))))
+    return (np.flatnonzero((claimed > 0.5 * left.before) & (left.of_named > left.before)) + 1).tolist()
+
+
+def _far_from_floor(named: Sequence[MotionFinding], left: Residuals, torque: Array, rules: Rules) -> list[int]:
+    """The joints (from 1) at which the names leave far more of other motion than the whole library leaves: a few names
+    are not what is there, and many together say nothing."""
+    if not named:
+        return []
+    most = np.maximum(rules.motion.above_noise * left.floor, rules.motion.filters * torque)
+    return (np.flatnonzero(left.of_named > most) + 1).tolist()
 
 
 def _share(each: Structure) -> float:
