@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -32,7 +32,7 @@ from .log import MotionLog
 from .model.candidates import Candidates, acting, candidates, scanned, with_variants
 from .model.identify import Identified, identify
 from .model.intervals import estimates
-from .model.noise import noise
+from .model.noise import Noise, noise
 from .model.products import products
 from .model.ripple import Ripple, ripples
 from .model.rows import LogRows, joint_rows, log_rows, with_sources
@@ -88,38 +88,17 @@ def _diagnosed(
     if np.sum([_moving_time(each) for each in prepared], axis=0).max() < rules.motion.least_moving:
         return too_little(arm, prepared), None
     effects = [each for each in _effects(request, prepared) if not (each.drive.by_load and _two_encoders(prepared))]
-    masses, clock = link_parameters(arm), rules.motion.of_a_sample / max(1.0 / each.log.interval for each in prepared)
-    pool = candidates(arm, effects, prepared[0].motion, masses, clock, rules=rules)
-    rows = []
-    for number, each in enumerate(prepared):
-        tell(f"fitting {Path(each.log.file).name}", 0.05 + 0.3 * number / len(prepared))
-        rows.append(log_rows(each, pool, rules=rules))
-    scans = scanned(effects)
-    tell("fitting ripple by order", 0.35)
-    heard = noise(pool, products(joint_rows(rows), pool.width, near=False))
-    for _ in range(_ROTORS if any(each.motion.beyond_drive for each in prepared) else 0):
-        pool, prepared = with_rotors(arm, effects, pool, prepared, masses, heard.sizes, rules=rules)
-        rows = [log_rows(each, pool, rules=rules) for each in prepared]
-        heard = noise(pool, products(joint_rows(rows), pool.width, near=False))
-    event = next_event(arm, pool, rows, heard, events, rules=rules)
+    library = _library_fit(arm, effects, prepared, tell, rules)
+    event = next_event(arm, library.pool, library.rows, library.noise, events, rules=rules)
     if event is not None:
-        return _diagnosed(arm, set_aside(whole, rows, event), request, tell, (*events, event))
-    ordered = [each for fast in (False, True) for each in _ripples(rows, heard.sizes, scans, request, fast=fast)]
-    if proposed := {(item.joint, item.order): effect for effect, item in ordered}:
-        known = pool
-        more = [(effect, joint, {effect.shapes[0].name: order}) for (joint, order), effect in proposed.items()]
-        pool = with_variants(pool, arm, masses, more, rules=rules)
-        rows = [with_sources(row, pool.sources[len(known.sources) :]) for row in rows]
-    given = rows
+        return _diagnosed(arm, set_aside(whole, library.rows, event), request, tell, (*events, event))
+    scans = scanned(effects)
+    pool, given = _with_ripples(arm, library, scans, request)
     different = differing(arm, pool, given, rules=rules)
     identified = identify(pool, different.rows, request.seed, tell, rules=rules)
     identified = _with_curves(arm, pool, identified, different.rows, request, tell)
     seen = structures(identified, request)
-    swift = [
-        (effect, item)
-        for effect, item in _ripples(identified.rows, identified.noise.sizes, scans, request, fast=True)
-        if item.rms > rules.motion.turning * identified.torque[item.joint] and not _is_named(effect, item, identified)
-    ]
+    fast = _fast_ripples(identified, scans, request)
     sizes = estimates(
         identified.system,
         identified.products,
@@ -129,16 +108,83 @@ def _diagnosed(
         rules=rules,
     )
     tell("testing what is left", 0.95)
-    judge = judged(arm, identified, sizes.numbers, [entry_of(effect, item) for effect, item in swift], rules=rules)
+    judge = judged(arm, identified, sizes.numbers, [entry_of(effect, item) for effect, item in fast], rules=rules)
     sizes = as_written(sizes, identified, judge)
     shown = _between(judge, identified, request) if _two_encoders(prepared) else ()
-    rests_on = RestsOn(given, identified, sizes, different, judge, seen, swift, shown)
+    rests_on = RestsOn(given, identified, sizes, different, judge, seen, fast, shown)
     result = conclusion(arm, rests_on, events, notes, rules=rules)
     if request.rollout:
         tell("simulating the logs", 0.97)
         rolled = rollout(arm, judge.written, identified.pool, given, identified.folds, rules=rules)
         result = replace(result, rollout=rolled)
     return result, rests_on
+
+
+@dataclass(frozen=True)
+class _LibraryFit:
+    """The whole library fitted to all logs: its candidates, the logs' rows, and the noise that it leaves of them."""
+
+    pool: Candidates
+    rows: Sequence[LogRows]
+    noise: Noise
+
+
+def _library_fit(
+    arm: Arm, effects: Sequence[Effect], prepared: Sequence[PreparedLog], tell: Progress, rules: Rules
+) -> _LibraryFit:
+    """The fit; where drives give and encoders are behind them, by the rotors that it shows itself."""
+    masses, clock = link_parameters(arm), rules.motion.of_a_sample / max(1.0 / each.log.interval for each in prepared)
+    pool = candidates(arm, effects, prepared[0].motion, masses, clock, rules=rules)
+    rows = []
+    for number, each in enumerate(prepared):
+        tell(f"fitting {Path(each.log.file).name}", 0.05 + 0.3 * number / len(prepared))
+        rows.append(log_rows(each, pool, rules=rules))
+    tell("fitting ripple by order", 0.35)
+    heard = noise(pool, products(joint_rows(rows), pool.width, near=False))
+    for _ in range(_ROTORS if any(each.motion.beyond_drive for each in prepared) else 0):
+        pool, prepared = with_rotors(arm, effects, pool, prepared, masses, heard.sizes, rules=rules)
+        rows = [log_rows(each, pool, rules=rules) for each in prepared]
+        heard = noise(pool, products(joint_rows(rows), pool.width, near=False))
+    return _LibraryFit(pool, rows, heard)
+
+
+def _widened(
+    arm: Arm,
+    pool: Candidates,
+    rows: Sequence[LogRows],
+    more: Sequence[tuple[Effect, int, Mapping[str, float]]],
+    rules: Rules,
+) -> tuple[Candidates, list[LogRows]]:
+    """Candidates with more effects at joints (from 0), and the rows with their columns."""
+    wider = with_variants(pool, arm, link_parameters(arm), more, rules=rules)
+    return wider, [with_sources(row, wider.sources[len(pool.sources) :]) for row in rows]
+
+
+def _with_ripples(
+    arm: Arm, library: _LibraryFit, scans: Sequence[tuple[Effect, Sequence[float]]], request: Options
+) -> tuple[Candidates, Sequence[LogRows]]:
+    """The candidates with the orders of ripple that stand out, and the rows with their columns."""
+    proposed = {
+        (item.joint, item.order): effect
+        for fast in (False, True)
+        for effect, item in _ripples(library.rows, library.noise.sizes, scans, request, fast=fast)
+    }
+    if not proposed:
+        return library.pool, library.rows
+    more = [(effect, joint, {effect.shapes[0].name: order}) for (joint, order), effect in proposed.items()]
+    return _widened(arm, library.pool, library.rows, more, request.rules)
+
+
+def _fast_ripples(
+    identified: Identified, scans: Sequence[tuple[Effect, Sequence[float]]], request: Options
+) -> list[tuple[Effect, Ripple]]:
+    """The ripples beyond the low-pass that make a share of their joint's torque, and that no name holds."""
+    return [
+        (effect, item)
+        for effect, item in _ripples(identified.rows, identified.noise.sizes, scans, request, fast=True)
+        if item.rms > request.rules.motion.turning * identified.torque[item.joint]
+        and not _is_named(effect, item, identified)
+    ]
 
 
 def _two_encoders(prepared: Sequence[PreparedLog]) -> bool:
@@ -174,8 +220,7 @@ def _with_curves(
     loud = beyond_noise(identified.noise.sigma, identified.torque, heard, rules) & (identified.noise.sigma > heard)
     curves = curves_left(arm, pool, structures(identified, request), loud, _effects(request, prepared), rules=rules)
     while curves:
-        wider = with_variants(pool, arm, link_parameters(arm), curves, rules=rules)
-        more = [with_sources(row, wider.sources[len(pool.sources) :]) for row in rows]
+        wider, more = _widened(arm, pool, rows, curves, rules)
         again = identify(wider, more, request.seed, tell, rules=rules)
         groups = [again.pool.groups[member.group] for member in again.members]
         new = [group for group in groups if pool.width <= group.columns[0] < wider.width]
