@@ -122,12 +122,33 @@ def low_pass(columns: Array, cutoff: float, rate: float) -> Array:
 
 @dataclass(frozen=True)
 class _Even:
-    """Columns of a log at even instants of each stretch, and every how manyth of these is worked with."""
+    """Columns of a log at even instants of each stretch, and every how manyth of these is worked with. Instants
+    are those of the samples where their rate does not hold a low-pass (`held`)."""
 
     time: Array
     instants: list[Array]
     rate: float
     divide: int
+    held: bool
+
+    @classmethod
+    def of(cls, log: MotionLog, rules: Rules) -> _Even:
+        """A log's own; raises `InputError` where it has no stretch of a second."""
+        step = log.interval
+        rate = 1.0 / step
+        held = _HELD * rate >= min(log.cutoff or np.inf, rules.motion.low_pass[0])
+        instants = _instants(log, max(rules.motion.gap, rules.log.gap * step), step if held else None)
+        return cls(log.time, instants, rate, max(1, int(np.floor(rate / _WORKING_RATE + 1e-9))), held)
+
+    @property
+    def working(self) -> float:
+        """Hz, the rate of what is worked with."""
+        return self.rate / self.divide
+
+    @property
+    def clock(self) -> list[Array]:
+        """The instants of each stretch that are worked with."""
+        return [t[:: self.divide] for t in self.instants]
 
     def at(self, values: Array) -> list[Array]:
         """Samples (N,) or (N, k) at the instants (M, k) of each stretch."""
@@ -154,34 +175,88 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
     """
     if log.q.shape[1] != arm.size:
         raise InputError(log.file, "", f"the log has {log.q.shape[1]} joints, the arm {arm.size}")
-    step = log.interval
-    rate = 1.0 / step
-    held = _HELD * rate >= min(log.cutoff or np.inf, rules.motion.low_pass[0])
-    times = _clocks(log, max(rules.motion.gap, rules.log.gap * step), step if held else None)
-    divide = max(1, int(np.floor(rate / _WORKING_RATE + 1e-9)))
-    working = rate / divide
-    even = _Even(log.time, times, rate, divide)
+    even = _Even.of(log, rules)
     q = even.thinned(log.q)
     torque, unknown = bridged(log.torque, log.time)
     measured = even.thinned(torque)
-    made_up = np.concatenate([part[::divide] > 0.0 for part in even.at(unknown)])
-    cutoff = log.cutoff or _cutoff(q, working, rules) if held else np.inf
-    smooth = min(rules.motion.bands * cutoff, _HELD * working)
-    clock = [t[::divide] for t in times]
-    since = [np.arange(len(t)) / working if held else t for t in clock]
-    share = 1.0 if held else _share_resolved(q, since)
-    around = min(cutoff, _HELD * working)
-    logged = None if log.velocity is None else even.thinned(log.velocity)
-    speeds = _speeds(q, logged, since, share, smooth, around, working, rules)
-    sampled = 1.0 if held else share * _share_resolved(speeds, since)
-    accelerations = [sampled * slope(v, t) for v, t in zip(speeds, since, strict=True)]
+    cutoff = log.cutoff or _cutoff(q, even.working, rules) if even.held else np.inf
+    slopes = _Slopes.of(q, even, cutoff, rules)
+    motion = _motion(arm, log, even, q, slopes)
+    encoders = None
+    if log.joint_side is not None and even.held:
+        filtered = [low_pass(each, cutoff, even.working) for each in measured]
+        encoders, second = _encoders(log, motion, even, filtered, rules)
+        motion = motion if encoders.unlike else _on_both_sides(motion, encoders, second, slopes)
+    edges = np.cumsum([0, *map(len, even.clock)])
+    stretches = tuple(Stretch(int(a), int(b)) for a, b in pairwise(edges))
+    apart = max(1, int(even.working / (rules.motion.bands * cutoff)), int(np.ceil(motion.size / _MOST)))
+    kept = np.concatenate([np.arange(stretch.start + apart // 2, stretch.stop, apart) for stretch in stretches])
+    made_up = np.concatenate([part[:: even.divide] > 0.0 for part in even.at(unknown)])
+    known = np.isfinite(np.concatenate(measured))
+    known &= _known(log, motion, stretches, made_up, round(0.25 / cutoff * even.working))
+    moving, near = (each & known for each in _counting(motion, stretches, even.working, cutoff, rules))
+    near &= moving.any(axis=0)  # friction is told by steady motion first: a joint that only trembles tells none
+    tidy = np.nan_to_num(np.concatenate(measured))
+    return PreparedLog(
+        log, motion, tidy, even.working, cutoff, stretches, kept, moving[kept], near[kept], encoders=encoders
+    )
+
+
+@dataclass(frozen=True)
+class _Slopes:
+    """How coordinates at `rate` Hz are differentiated over the `clock` s of each stretch: after a low-pass at `smooth`
+    Hz, as far as samples tell slopes (`share`). Speeds that were logged must be quieter around `cutoff` Hz."""
+
+    clock: list[Array]
+    rate: float
+    share: float
+    smooth: float
+    cutoff: float
+    rules: Rules
+
+    @classmethod
+    def of(cls, q: list[Array], even: _Even, cutoff: float, rules: Rules) -> _Slopes:
+        """Those of coordinates `q` that are worked with, beside a low-pass at a cut-off (Hz)."""
+        rate, most = even.working, _HELD * even.working
+        clock = [np.arange(len(t)) / rate if even.held else t for t in even.clock]
+        share = 1.0 if even.held else _share_resolved(q, clock)
+        return cls(clock, rate, share, min(rules.motion.bands * cutoff, most), min(cutoff, most), rules)
+
+    def speeds(self, q: list[Array], logged: list[Array] | None = None) -> list[Array]:
+        """Speeds: as logged where they agree with the coordinates' own, so far as samples tell these, and are quieter
+        around the low-pass, else those."""
+        slopes = [slope(low_pass(item, self.smooth, self.rate), t) for item, t in zip(q, self.clock, strict=True)]
+        if logged is None:
+            return [self.share * item for item in slopes]
+        read = [low_pass(item, self.smooth, self.rate) for item in logged]
+        speeds = [np.empty_like(item) for item in slopes]
+        differentiated = _noise(q, self.rate) * (2.0 * np.pi * self.cutoff) ** 2
+        quieter = self.share * _noise(logged, self.rate) <= differentiated
+        for joint in range(q[0].shape[1]):
+            a, b = (np.concatenate([item[:, joint] for item in many]) for many in (slopes, read))
+            size = float(a @ a)
+            most = self.rules.motion.speeds_agree * size
+            agrees = size > 0.0 and np.isfinite(b).all() and self.share * float((a - b) @ (a - b)) < most
+            for into, mine, theirs in zip(speeds, slopes, read, strict=True):
+                into[:, joint] = theirs[:, joint] if agrees and quieter[joint] else self.share * mine[:, joint]
+        return speeds
+
+    def accelerations(self, speeds: list[Array], share: float) -> list[Array]:
+        """Accelerations, of which samples tell a share."""
+        return [share * slope(v, t) for v, t in zip(speeds, self.clock, strict=True)]
+
+
+def _motion(arm: Arm, log: MotionLog, even: _Even, q: list[Array], slopes: _Slopes) -> Motion:
+    """The motion of a log whose coordinates are `q` at the instants that are worked with."""
+    speeds = slopes.speeds(q, None if log.velocity is None else even.thinned(log.velocity))
+    sampled = 1.0 if even.held else slopes.share * _share_resolved(speeds, slopes.clock)
     payload, temperature = even.joined(log.payload_mass), even.joined(log.temperature)
-    motion = Motion(
+    return Motion(
         arm,
-        np.concatenate(clock),
+        np.concatenate(even.clock),
         np.concatenate(q),
         np.concatenate(speeds),
-        np.concatenate(accelerations),
+        np.concatenate(slopes.accelerations(speeds, sampled)),
         None,
         even.joined(log.commanded),
         None,
@@ -190,27 +265,6 @@ def prepare(arm: Arm, log: MotionLog, *, rules: Rules) -> PreparedLog:
         None if temperature is None else temperature[:, 0],
         sampled,
         beyond_drive=log.beyond_drive,
-    )
-    encoders = None
-    if log.joint_side is not None and held:
-        encoders, second = _encoders(log, motion, even, [low_pass(each, cutoff, working) for each in measured], rules)
-        if not encoders.unlike:
-            rates = _speeds(second, None, since, share, smooth, around, working, rules)
-            more = [slope(v, t) for v, t in zip(rates, since, strict=True)]
-            motion = _on_both_sides(motion, encoders, second, rates, more)
-    edges = np.cumsum([0, *(len(t) for t in clock)])
-    stretches = tuple(Stretch(int(a), int(b)) for a, b in pairwise(edges))
-    apart = max(1, int(working / (rules.motion.bands * cutoff)), int(np.ceil(motion.size / _MOST)))
-    indices = np.concatenate([np.arange(stretch.start + apart // 2, stretch.stop, apart) for stretch in stretches])
-    moving, near = _counting(motion, stretches, working, cutoff, rules)
-    known = np.isfinite(np.concatenate(measured)) & _known(
-        log, motion, stretches, made_up, round(0.25 / cutoff * working)
-    )
-    moving, near = moving & known, near & known
-    near &= moving.any(axis=0)  # friction is told by steady motion first: a joint that only trembles tells none
-    tidy = np.nan_to_num(np.concatenate(measured))
-    return PreparedLog(
-        log, motion, tidy, working, cutoff, stretches, indices, moving[indices], near[indices], encoders=encoders
     )
 
 
@@ -231,12 +285,11 @@ def _encoders(
     return result, [part - result.offset for part in second]
 
 
-def _on_both_sides(
-    motion: Motion, encoders: Sides, own: list[Array], speeds: list[Array], accelerations: list[Array]
-) -> Motion:
-    """The motion of motors and links by two encoders at each drive, `own` coordinates and rates of the second one."""
+def _on_both_sides(motion: Motion, encoders: Sides, q: list[Array], slopes: _Slopes) -> Motion:
+    """The motion of motors and links by two encoders at each drive, with coordinates `q` of the second one."""
     first = motion.q, motion.velocity, motion.acceleration
-    second = tuple(np.concatenate(parts) for parts in (own, speeds, accelerations))
+    speeds = slopes.speeds(q)
+    second = tuple(np.concatenate(parts) for parts in (q, speeds, slopes.accelerations(speeds, 1.0)))
     motor, link = (second, first) if encoders.beyond_drive else (first, second)
     return replace(
         motion,
@@ -264,7 +317,7 @@ def _known(
     return known
 
 
-def _clocks(log: MotionLog, gap: float, step: float | None) -> list[Array]:
+def _instants(log: MotionLog, gap: float, step: float | None) -> list[Array]:
     """Instants of each stretch: even ones, or without a step those of the samples, which no low-pass will blur."""
     breaks = np.flatnonzero(np.diff(log.time) > gap) + 1
     edges = [0, *breaks.tolist(), log.size]
@@ -276,36 +329,6 @@ def _clocks(log: MotionLog, gap: float, step: float | None) -> list[Array]:
     if not times:
         raise InputError(log.file, "", "no stretch of the log is longer than a second")
     return times
-
-
-def _speeds(
-    q: list[Array],
-    logged: list[Array] | None,
-    clock: list[Array],
-    share: float,
-    smooth: float,
-    cutoff: float,
-    rate: float,
-    rules: Rules,
-) -> list[Array]:
-    """Speeds: as logged where they agree with the coordinates' own, so far as samples tell these (`share`), and are
-    quieter around the low-pass, else those."""
-    slopes = [slope(low_pass(item, smooth, rate), t) for item, t in zip(q, clock, strict=True)]
-    if logged is None:
-        return [share * item for item in slopes]
-    read = [low_pass(item, smooth, rate) for item in logged]
-    speeds = [np.empty_like(item) for item in slopes]
-    differentiated = _noise(q, rate) * (2.0 * np.pi * cutoff) ** 2
-    quieter = share * _noise(logged, rate) <= differentiated
-    for joint in range(q[0].shape[1]):
-        a, b = (np.concatenate([item[:, joint] for item in many]) for many in (slopes, read))
-        size = float(a @ a)
-        agrees = (
-            size > 0.0 and np.isfinite(b).all() and share * float((a - b) @ (a - b)) < rules.motion.speeds_agree * size
-        )
-        for into, mine, theirs in zip(speeds, slopes, read, strict=True):
-            into[:, joint] = theirs[:, joint] if agrees and quieter[joint] else share * mine[:, joint]
-    return speeds
 
 
 def slope(values: Array, clock: Array) -> Array:
