@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import datetime
+from collections.abc import Set
 from dataclasses import replace
 from pathlib import Path
 
@@ -58,22 +59,10 @@ def named_columns(
             naming.used.add(text)
         else:
             naming.by_formula(header, text)
-    foreign = plain_headers(table, arm, held) if held.motion is None else {}
-    foreign = {header: item for header, item in foreign.items() if header not in naming.used}
-    naming.mapped |= bool(foreign)
-    if foreign:
-        naming.warnings.append(taken_for_ours(list(foreign.values())))
-    known = {*naming.columns, *(item.what for item in foreign.values())}
-    asked = alone_in_unit(table.names)
-    naming.asked = {header: f"{what}_{unit}" for what, (header, unit) in asked.items() if what not in known}
-    spelled = {header: ours for header, ours in _spelled(table, held, arm).items() if header not in naming.used}
-    if spelled:
-        pairs = ", ".join(f"{shown(header)} as {ours}" for header, ours in spelled.items())
-        naming.warnings.append(f"Headers that are written otherwise are read as ours: {pairs}.")
+    ours = naming.translated()
     for header in table.names:
         if header not in held.ignore and header not in labels:
-            ours = foreign[header].ours if header in foreign else spelled.get(header, header)
-            naming.by_header(header, ours)
+            naming.by_header(header, ours.get(header, header))
     aside = [header for header in naming.strangers if naming.mapped and header not in naming.asked]
     if aside:
         naming.warnings.append(f"No columns that are known here: {', '.join(aside)}. They are kept as they are.")
@@ -106,6 +95,24 @@ class _Naming:
         self.used.update(formula.columns)
         column = _by_formula(self.table, header, meaning, formula, held)
         self.columns[meaning.name] = replace(column, formula="" if text == header else text)
+
+    def translated(self) -> dict[str, str]:
+        """Headers of other tools, and those that are ours but for how they are written, each with ours. Says which,
+        and keeps what units alone say of strangers."""
+        table, held, arm = self.table, self.held, self.arm
+        mapped = plain_headers(table, arm, held) if held.motion is None else {}
+        foreign = {header: item for header, item in mapped.items() if header not in self.used}
+        if foreign:
+            self.mapped = True
+            self.warnings.append(taken_for_ours(list(foreign.values())))
+        known = {*self.columns, *(item.what for item in foreign.values())}
+        asked = alone_in_unit(table.names)
+        self.asked = {header: f"{what}_{unit}" for what, (header, unit) in asked.items() if what not in known}
+        spelled = _spelled(table, held, arm, self.used)
+        if spelled:
+            pairs = ", ".join(f"{shown(header)} as {ours}" for header, ours in spelled.items())
+            self.warnings.append(f"Headers that are written otherwise are read as ours: {pairs}.")
+        return spelled | {header: item.ours for header, item in foreign.items()}
 
     def by_header(self, header: str, ours: str) -> None:
         """A column by its header, which is `ours` where it was written otherwise. Raises `InputError`."""
@@ -169,8 +176,9 @@ def _labels_of(held: ReadingSettings) -> tuple[str, ...]:
     )
 
 
-def _spelled(table: Table, held: ReadingSettings, arm: Arm) -> dict[str, str]:
-    """The headers that are ours but for how they are written, with ours; none whose like is there as it should be."""
+def _spelled(table: Table, held: ReadingSettings, arm: Arm, used: Set[str]) -> dict[str, str]:
+    """The headers that are ours but for how they are written, with ours; none whose like is there as it should be, and
+    none that are `used` already."""
 
     def meant(header: str) -> str:
         try:
@@ -180,7 +188,7 @@ def _spelled(table: Table, held: ReadingSettings, arm: Arm) -> dict[str, str]:
         return "" if meaning is None else meaning.name
 
     taken = {meant(header) for header in table.names}
-    ours = {header: otherwise_spelled(header) for header in table.names if header not in held.ignore}
+    ours = {header: otherwise_spelled(header) for header in table.names if header not in used}
     return {header: name for header, name in ours.items() if name and meant(name) and meant(name) not in taken}
 
 
