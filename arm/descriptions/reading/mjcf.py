@@ -64,6 +64,21 @@ def _included(element: Element, folder: Path, read: frozenset[Path]) -> Element:
     return replace(element, children=children)
 
 
+_Geom = tuple[Element, Mapping[str, str], Array]
+"""A geom with its attributes, and where its frame stands in the body."""
+
+
+@dataclass(frozen=True)
+class _Weight:
+    """A body's mass as far as it is `placed` (None: nothing is), the meshes that are `unread`, the mass (kg) that these
+    have somewhere (`unplaced`), and whether all of it is `known`."""
+
+    placed: Mass | None
+    unread: tuple[str, ...] = ()
+    unplaced: float = 0.0
+    known: bool = True
+
+
 @dataclass
 class _Reading:
     top: Element
@@ -223,39 +238,41 @@ class _Reading:
 
     def _weighed(self, body: Element, parts: list[tuple[Element, str, Array]], here: Array) -> TreeLink:
         """A link with the weight that the compiler gives its body, which stands at `here` in it."""
-        from_geoms = self.words.compiler.get("inertiafromgeom", "auto")
-        inertial_element, whole = body.one("inertial"), None
-        weighed, unread, unplaced = True, list[str](), 0.0
         geoms = [
             (item, self.words.attributes(item, class_), placed) for item, class_, placed in parts if item.tag == "geom"
         ]
-        if inertial_element is not None and from_geoms != "true":
-            whole = self._inertial(inertial_element)
-        elif from_geoms != "false":
-            counted = [(geom, entry, placed) for geom, entry, placed in geoms if self._counts(geom, entry)]
-            masses = [self._of_geom(*item) for item in counted]
-            whole = together(mass for mass in masses if mass is not None)
-            for (geom, entry, placed), mass in zip(counted, masses, strict=True):
-                if mass is not None:
-                    continue
-                mesh = self._unread_mesh(self._shape(geom, entry, placed))
-                unread += [] if mesh is None else [mesh]
-                weighed = weighed and mesh is not None and "mass" in entry
-                unplaced += float(numbers(geom, entry.get("mass", "0"), 1)[0])
+        weight = self._weight(body, geoms)
+        whole = weight.placed if weight.unplaced else self._bounded(weight.placed)
         beside = [item.tag for item, _, _ in parts if item.tag not in _OF_A_BODY]
         beside += ["gravcomp"] if body.number("gravcomp", 0.0) else []
-        if not unplaced:
-            whole = self._bounded(whole)
-        inertial = _placed(whole, here) if weighed and whole is not None else None
-        shapes = self._shapes(geoms, here)
-        return TreeLink(inertial, shapes, tuple(beside), weighed, tuple(unread), unplaced if weighed else 0.0)
+        inertial = _placed(whole, here) if weight.known and whole is not None else None
+        unplaced = weight.unplaced if weight.known else 0.0
+        return TreeLink(inertial, self._shapes(geoms, here), tuple(beside), weight.known, weight.unread, unplaced)
+
+    def _weight(self, body: Element, geoms: Sequence[_Geom]) -> _Weight:
+        """What a body weighs by its inertial, or else by its geoms."""
+        from_geoms, inertial = self.words.compiler.get("inertiafromgeom", "auto"), body.one("inertial")
+        if inertial is not None and from_geoms != "true":
+            return _Weight(self._inertial(inertial))
+        if from_geoms == "false":
+            return _Weight(None)
+        counted = [geom for geom in geoms if self._counts(*geom[:2])]
+        masses = [self._of_geom(*geom) for geom in counted]
+        lacking = [geom for geom, mass in zip(counted, masses, strict=True) if mass is None]
+        meshes = [self._unread_mesh(self._shape(*geom)) for geom in lacking]
+        return _Weight(
+            together(mass for mass in masses if mass is not None),
+            tuple(mesh for mesh in meshes if mesh is not None),
+            sum((float(numbers(geom, entry.get("mass", "0"), 1)[0]) for geom, entry, _ in lacking), 0.0),
+            None not in meshes and all("mass" in entry for _, entry, _ in lacking),
+        )
 
     def _unread_mesh(self, shape: Shape) -> str | None:
         """The file of a mesh that is not there as a closed STL; None of any other shape."""
         made = solid(shape, self.file) if shape.kind == "mesh" else None
         return shape.file if shape.kind == "mesh" and (made is None or made.volume is None) else None
 
-    def _shapes(self, geoms: Sequence[tuple[Element, Mapping[str, str], Array]], here: Array) -> tuple[Shape, ...]:
+    def _shapes(self, geoms: Sequence[_Geom], here: Array) -> tuple[Shape, ...]:
         """What a body is drawn by: geoms that collide with nothing, where it has such."""
         drawn = [geom for geom in geoms if not self._collides(geom[1])] or geoms
         shapes = (self._shape(*geom, here) for geom in drawn)
