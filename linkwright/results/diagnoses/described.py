@@ -81,13 +81,7 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
         _facts(diagnosis),
         Paragraph(diagnosis.noise_source),
         _broken_promise(diagnosis),
-        recordings(diagnosis) if diagnosis.recordings else None,
-        differing(diagnosis) if diagnosis.differences else None,
-        arms_of_recordings(diagnosis) if diagnosis.findings and unit_files(diagnosis.recordings) else None,
-        _findings(diagnosis) if diagnosis.findings else None,
-        _origins(diagnosis) if diagnosis.origins else None,
-        _placements(diagnosis) if diagnosis.placements else None,
-        None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
+        *_identified(diagnosis),
         where_it_sits(diagnosis) if anything else could,
         section("Residuals over the workspace", Picture(lambda: residual_maps(diagnosis)), detail=True),
         ladder(diagnosis) if diagnosis.ladder else None,
@@ -105,6 +99,19 @@ def describe(diagnosis: Diagnosis, redesign: Redesign | None = None) -> Descript
     title = f"{diagnosis.arm.name}: what the model lacks"
     held = tuple(item for item in items if item is not None)
     return Description(title, answer(diagnosis), held, _brief(diagnosis), without=_WITHOUT)
+
+
+def _identified(diagnosis: Diagnosis) -> tuple[Item | None, ...]:
+    """What differs between recordings, what is missing, what was fitted beside it, and what stays unknown."""
+    return (
+        recordings(diagnosis) if diagnosis.recordings else None,
+        differing(diagnosis) if diagnosis.differences else None,
+        arms_of_recordings(diagnosis) if diagnosis.findings and unit_files(diagnosis.recordings) else None,
+        _findings(diagnosis) if diagnosis.findings else None,
+        _origins(diagnosis) if diagnosis.origins else None,
+        _placements(diagnosis) if diagnosis.placements else None,
+        None if diagnosis.unknown is None else _unknown(diagnosis.unknown),
+    )
 
 
 def _brief(diagnosis: Diagnosis) -> str:
