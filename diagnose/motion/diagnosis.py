@@ -39,7 +39,7 @@ from .model.rows import LogRows, joint_rows, log_rows, with_sources
 from .preparation import PreparedLog, prepare
 from .result import Event, MotionDiagnosis
 from .rollout.rollout import rollout
-from .unknown import beyond_noise, sensor_noise, structures
+from .unknown import beyond_noise, residual_structures, sensor_noise
 from .weighed import weighed
 
 _ALIKE = 0.5
@@ -97,7 +97,7 @@ def _diagnosed(
     different = differing(arm, pool, given, rules=rules)
     identified = identify(pool, different.rows, request.seed, tell, rules=rules)
     identified = _with_curves(arm, pool, identified, different.rows, request, tell)
-    seen = structures(identified, request)
+    seen = residual_structures(identified, request)
     fast = _fast_ripples(identified, scans, request)
     sizes = estimates(
         identified.system,
@@ -207,18 +207,15 @@ def _between(judge: Judged, identified: Identified, request: Options) -> tuple[B
 
 
 def _with_curves(
-    arm: Arm,
-    pool: Candidates,
-    identified: Identified,
-    rows: Sequence[LogRows],
-    request: Options,
-    tell: Progress,
+    arm: Arm, pool: Candidates, identified: Identified, rows: Sequence[LogRows], request: Options, tell: Progress
 ) -> Identified:
     """What was identified, or what is with torques of any shape where these explain what nothing else does."""
     rules, prepared = request.rules, [row.prepared for row in rows]
     heard = sensor_noise(prepared)
-    loud = beyond_noise(identified.noise.sigma, identified.torque, heard, rules) & (identified.noise.sigma > heard)
-    curves = curves_left(arm, pool, structures(identified, request), loud, _effects(request, prepared), rules=rules)
+    beyond = beyond_noise(identified.noise.sigma, identified.torque, heard, rules)
+    loud = np.logical_and(beyond, identified.noise.sigma > heard)
+    effects, left = _effects(request, prepared), residual_structures(identified, request)
+    curves = curves_left(arm, pool, left, loud, effects, rules=rules)
     while curves:
         wider, more = _widened(arm, pool, rows, curves, rules)
         again = identify(wider, more, request.seed, tell, rules=rules)

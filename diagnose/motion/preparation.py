@@ -133,7 +133,7 @@ class _Even:
 
     @classmethod
     def of(cls, log: MotionLog, rules: Rules) -> _Even:
-        """A log's own; raises `InputError` where it has no stretch of a second."""
+        """Those of a log. Raises `InputError` where it has no stretch of a second."""
         step = log.interval
         rate = 1.0 / step
         held = _HELD * rate >= min(log.cutoff or np.inf, rules.motion.low_pass[0])

@@ -16,6 +16,7 @@ from .events.changed import change_of
 from .judged import Judged
 from .model.chance import DRAWS
 from .model.identify import Identified
+from .model.rows import LogRows
 from .preparation import PreparedLog
 from .result import MotionFinding, MotionUnknown, OfJoint
 
@@ -43,7 +44,7 @@ def residuals(identified: Identified, judge: Judged, given: Array) -> Residuals:
     rms = (np.sqrt(each.sum(axis=0) / np.maximum(counts, 1)) for each in squares)
     # Nobody knows what a model is worth at a joint that stood still.
     left = (np.where(counts > 0, each, np.nan) for each in (*rms, identified.noise.sigma))
-    return Residuals(*left, sensor_noise([row.prepared for row in identified.rows]))
+    return Residuals(*left, sensors=sensor_noise([row.prepared for row in identified.rows]))
 
 
 def sensor_noise(prepared: Sequence[PreparedLog]) -> Array:
@@ -71,7 +72,7 @@ class Structure:
     p_value: float
 
 
-def structures(identified: Identified, options: Options) -> list[Structure]:
+def residual_structures(identified: Identified, options: Options) -> list[Structure]:
     """What depends on something of what the whole library leaves of each joint's torque, over all logs."""
     return [_of_joint(identified, joint, options) for joint in range(len(identified.torque))]
 
@@ -80,22 +81,9 @@ def _of_joint(identified: Identified, joint: int, options: Options) -> Structure
     residual, number, parts = [], [], []
     for log, rows in enumerate(identified.rows):
         use = rows.prepared.moving[:, joint]
-        rows_here = rows.prepared.kept[use]
-        motion = rows.prepared.motion
         residual.append((rows.target[:, joint] - rows.design[joint] @ identified.noise.sizes[rows.columns[joint]])[use])
-        number.append(np.full(len(rows_here), log))
-        temperature = None if motion.temperature is None else motion.temperature[rows_here]
-        parts.append(
-            _variables(
-                joint,
-                motion.q[rows_here],
-                motion.velocity[rows_here],
-                motion.acceleration[rows_here],
-                rows.nominal[rows_here],
-                motion.time[rows_here],
-                temperature,
-            )
-        )
+        number.append(np.full(np.count_nonzero(use), log))
+        parts.append(_variables(joint, rows, rows.prepared.kept[use]))
     names = set.intersection(*(set(part) for part in parts))
     joined = {name: np.concatenate([part[name] for part in parts]) for name in parts[0] if name in names}
     way = np.sign(joined["speed"])
@@ -173,24 +161,23 @@ def _shifts(log: NDArray[np.int64], seed: int) -> list[NDArray[np.int64]]:
     return shifts
 
 
-def _variables(
-    joint: int, q: Array, velocity: Array, acceleration: Array, load: Array, time: Array, temperature: Array | None
-) -> dict[str, Array]:
-    """What a joint's residual may depend on (M,), by name: its angle, speed, acceleration, load, the time, and the
-    angles and speeds of its neighbours."""
+def _variables(joint: int, rows: LogRows, at: NDArray[np.int64]) -> dict[str, Array]:
+    """What a joint's residual may depend on at some samples, by name: its angle, speed, acceleration, load, the time,
+    and the angles and speeds of its neighbours."""
+    motion = rows.prepared.motion
     values = {
-        f"q{joint + 1}": q[:, joint],
-        "speed": velocity[:, joint],
-        "acceleration": acceleration[:, joint],
-        "load": load[:, joint],
-        "time": time,
+        f"q{joint + 1}": motion.q[at, joint],
+        "speed": motion.velocity[at, joint],
+        "acceleration": motion.acceleration[at, joint],
+        "load": rows.nominal[at, joint],
+        "time": motion.time[at],
     }
     for other in (joint - 1, joint + 1):
-        if 0 <= other < q.shape[1]:
-            values[f"q{other + 1}"] = q[:, other]
-            values[f"speed_of_joint_{other + 1}"] = velocity[:, other]
-    if temperature is not None:
-        values["temperature_degC"] = temperature
+        if 0 <= other < motion.q.shape[1]:
+            values[f"q{other + 1}"] = motion.q[at, other]
+            values[f"speed_of_joint_{other + 1}"] = motion.velocity[at, other]
+    if motion.temperature is not None:
+        values["temperature_degC"] = motion.temperature[at]
     return values
 
 
@@ -236,11 +223,7 @@ def unexplained(
 
 
 def _open_joints(
-    identified: Identified,
-    left: Residuals,
-    structures: Sequence[Structure],
-    per_joint: Sequence[OfJoint],
-    rules: Rules,
+    identified: Identified, left: Residuals, structures: Sequence[Structure], per_joint: Sequence[OfJoint], rules: Rules
 ) -> list[int]:
     """The joints (from 1) of which more is left than noise, or something that depends on the motion."""
     beyond = beyond_noise(left.floor, identified.torque, left.sensors, rules)
