@@ -9,6 +9,8 @@ from functools import cache
 from pathlib import Path
 
 import pytest
+from radon.complexity import cc_rank, cc_visit_ast
+from radon.visitors import Function
 
 from linkwright.core.arm.effects import EFFECTS
 
@@ -312,6 +314,27 @@ def test_crowding_is_seen():
 def test_no_cycle_between_modules():
     """Among imports that run while a module loads; type-only ones cannot form a cycle."""
     assert a_cycle({name: imports_of(name, at_load=True) for name in MODULES}) is None
+
+
+def complex_functions(source: str) -> list[str]:
+    """Functions of a cyclomatic complexity above 20: radon's grade D or worse."""
+    functions = (block for block in cc_visit_ast(syntax(source)) if isinstance(block, Function))
+    return [f"{each.name} ({each.complexity})" for each in functions if cc_rank(each.complexity) > "C"]
+
+
+def test_no_function_is_complex():
+    """Its steps have names."""
+    results = {
+        name: names for name, path in MODULES.items() if (names := complex_functions(path.read_text(encoding="utf-8")))
+    }
+    assert results == {}
+
+
+def test_complexity_is_seen():
+    """Of methods as well, from one branch too many on."""
+    method = "class A:\n    def f(self, x):\n" + "        if x: pass\n" * 19
+    assert complex_functions(method) == []
+    assert complex_functions(method + "        if x: pass\n") == ["f (21)"]
 
 
 MUTUAL = 8
