@@ -201,11 +201,15 @@ class SearchedError(PoseFamily[WorstCase]):
         """The worst poses, with where play stands."""
         del problem
         worst: list[Worst] = []
-        for pose in prepared.worst(design.p, certify=False).poses[:_MOST_SHOWN]:
+        for pose in self.worst_case(prepared, design).poses[:_MOST_SHOWN]:
             shift = np.reshape(pose.shifts, (-1, 3)).sum(axis=0).tolist()
             signs = (*pose.signs, *[0.0] * (_plays(prepared.model) - len(pose.signs)))
             worst.append(Worst(self.name, pose.error, Cut(pose.q, self.group(pose.load_case), (*signs, *shift))))
         return worst
+
+    def worst_case(self, prepared: WorstSearch, design: DesignValues) -> WorstCase:
+        """The worst of it for a design, without a certificate."""
+        return prepared.worst(design.p, certify=False)
 
     def at_pose(self, prepared: WorstSearch, group: int, q: Array, designs: Designs) -> Mapping[str, Array]:
         """The error of each design at its pose."""
@@ -234,15 +238,28 @@ def _played(model: ErrorModel, case: CaseModel, q: Array, p: Array) -> Array:
     return played(arrays, case.radii, arm.play, planar=model.planar, statistics=arm.statistics).error
 
 
-class CaseError(SearchedError):
+class SingleError(SearchedError):
+    """The worst error under one load case or at one point, which a limit of its own is on."""
+
+    @abstractmethod
+    def part(self, cases: Sequence[LoadCase], workspace: Workspace) -> tuple[Sequence[LoadCase], Workspace]:
+        """The load cases and the workspace that count, of all."""
+
+    def search(self, arm: Arm, cases: Sequence[LoadCase], workspace: Workspace) -> WorstSearch:
+        """The error where it counts."""
+        counted, places = self.part(cases, workspace)
+        return worst_search(error_model(arm, counted), places)
+
+
+class CaseError(SingleError):
     """The worst error under one load case (from 0)."""
 
     def __init__(self, case: int) -> None:
         self.number, self.name = case, f"max_error of load case {case + 1}"
 
-    def search(self, arm: Arm, cases: Sequence[LoadCase], workspace: Workspace) -> WorstSearch:
-        """The error under this load case."""
-        return worst_search(error_model(arm, (cases[self.number],)), workspace)
+    def part(self, cases: Sequence[LoadCase], workspace: Workspace) -> tuple[Sequence[LoadCase], Workspace]:
+        """This load case, wherever."""
+        return (cases[self.number],), workspace
 
     def case(self, group: int) -> int | None:
         """The only one."""
@@ -259,7 +276,7 @@ def error_of_case(case: int) -> Figure:
     return _part_figure(CaseError(case), f"worst error of load case {case + 1}")
 
 
-def _part_figure(family: CaseError | PointError, title: str) -> Figure:
+def _part_figure(family: SingleError, title: str) -> Figure:
     return Figure(
         name=family.name,
         title=title,
@@ -274,15 +291,15 @@ def _part_figure(family: CaseError | PointError, title: str) -> Figure:
     )
 
 
-class PointError(SearchedError):
+class PointError(SingleError):
     """The worst error at one of the points (from 0) that a workspace lists, over all load cases."""
 
     def __init__(self, number: int) -> None:
         self.number, self.name = number, f"max_error at point {number + 1}"
 
-    def search(self, arm: Arm, cases: Sequence[LoadCase], workspace: Workspace) -> WorstSearch:
-        """The error at this point."""
-        return worst_search(error_model(arm, cases), replace(workspace, points=(workspace.points[self.number],)))
+    def part(self, cases: Sequence[LoadCase], workspace: Workspace) -> tuple[Sequence[LoadCase], Workspace]:
+        """This point, under all load cases."""
+        return cases, replace(workspace, points=(workspace.points[self.number],))
 
     def at_pose(self, prepared: WorstSearch, group: int, q: Array, designs: Designs) -> Mapping[str, Array]:
         """The error of each design at its pose; nothing of it counts at the poses of other points."""

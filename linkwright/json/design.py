@@ -368,6 +368,7 @@ def _robust_figure(figure: RobustFigure) -> dict[str, Any]:
     """One arm's robust figure; `upper_mm` is null for the worst, and where the samples are too few for it."""
     return {
         **fields(figure, "share", "max_error_mm=value", "nominal_mm", "upper_mm", "looked_at"),
+        "singles_mm": {name: 1e3 * error for name, error in figure.singles.items()},
         "rests_on": "sampled",
         "scenario": asdict(figure.scenario),
         "uncertain": {name: list(widths) for name, widths in figure.widths.items()},

@@ -172,7 +172,9 @@ def robust_words(result: RobustFigure) -> str:
     ]
     over = f"{mm(result.nominal)} as it is; {', '.join(spans)}"
     if result.share == 1.0:
-        return f"worst error {mm(result.value)} over what is uncertain ({over}; {result.looked_at} scenarios compared)"
+        singles = [f", {name.removeprefix('max_error ')} {mm(error)}" for name, error in result.singles.items()]
+        worst = f"worst error {mm(result.value)}{''.join(singles)} over what is uncertain"
+        return f"{worst} ({over}; {result.looked_at} scenarios compared)"
     upper = "" if result.upper is None else f", below {mm(result.upper)} with 95 % confidence"
     rests_on = f"sampled: {result.looked_at} fresh scenarios"
     return f"worst error {mm(result.value)} in {percent(result.share)} of what is uncertain{upper} ({over}; {rests_on})"

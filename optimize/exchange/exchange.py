@@ -77,7 +77,8 @@ class Context:
     search: WorstSearch
     families: tuple[tuple[PoseFamily[Any], Any], ...] = ()
     scenarios: Scenarios | None = None
-    """What the error is held for instead of the arm as it is; other figures are those of the arm as it is."""
+    """What the error is held for instead of the arm as it is, as families of errors of load cases and points are; other
+    figures are those of the arm as it is."""
 
     @property
     def error_groups(self) -> int:

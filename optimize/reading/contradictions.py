@@ -84,13 +84,13 @@ def _check_errors(mapping: Mapping, problem: Problem) -> None:
 
 
 def _check_uncertain(mapping: Mapping, problem: Problem, *, of_cases: bool) -> None:
-    """What may be uncertain counts in one error for all load cases."""
+    """What may be uncertain counts in errors; a share of it in one error for all load cases."""
     if problem.uncertain is None:
         return
-    if of_cases:
-        message = "goes with one max_error for all load cases and points, which alone holds for all that may be"
-        raise mapping.error("uncertain", f"{message}; write it in subject_to in place of those of single ones")
-    if problem.minimize != "max_error" and not problem.limit("max_error"):
+    if of_cases and not problem.uncertain.worst:
+        message = "a share goes with one max_error for all load cases and points"
+        raise mapping.error("robust", f"{message}; write robust: worst, or limit max_error in subject_to alone")
+    if problem.minimize != "max_error" and not problem.limit("max_error") and not of_cases:
         message = "counts in max_error alone, which is neither minimised nor limited"
         raise mapping.error("uncertain", f"{message}; add subject_to: {{max_error: ...}}")
 

@@ -1,28 +1,32 @@
 """The robust optimum: scenarios enter a separate exchange, round the exchange of poses.
 
-The design for the scenarios so far; the worst scenario for that design; added, until none is worse. For a share of all
-scenarios a seeded sample stands for them: the best design for the share of it that the design before found easiest, and
-again with the share that this one does, as long as that helps (a sample average, and a local optimum).
+The design for the scenarios so far; the worst scenario for that design, and for each limit on the error of a load case
+or point; added, until none is worse. For a share of all scenarios a seeded sample stands for them: the best design for
+the share of it that the design before found easiest, and again with the share that this one does, as long as that helps
+(a sample average, and a local optimum).
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from linkwright.core.arm.chain.chain import Arm
+from linkwright.core.arm.figures import PoseFamily
+from linkwright.core.arm.figures.error import SingleError
 from linkwright.core.optimize.choice.combinations import Choice, Progress, choose
-from linkwright.core.optimize.exchange.design import arm_of
+from linkwright.core.optimize.exchange.design import arm_of, numeric_beams
 from linkwright.core.optimize.exchange.exchange import Context, context_of
-from linkwright.core.optimize.exchange.scenarios import Scenarios
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.result import Iteration
 from linkwright.core.sections.numeric import Array
 
 from .search import ScenarioSearch, rank
+from .single import ErrorInScenarios
 
 Log = Callable[[Iteration], None]
 
@@ -37,7 +41,7 @@ _ROUNDS, _SHARES = 12, 4
 @dataclass(frozen=True)
 class RobustDesign:
     """The end of the exchange of scenarios: the context with them, the choice, its arm and the error (m) over what it
-    was held for; `settled` where no scenario of that was worse."""
+    was held for; `settled` where no scenario was worse, or broke a limit of a load case or point."""
 
     context: Context
     choice: Choice
@@ -58,8 +62,15 @@ class RobustExchange:
 
     def context_for(self, shares: list[Array]) -> Context:
         """The context of designs for some scenarios."""
-        held = tuple(self.search.uncertain.scenario(share) for share in shares)
-        return replace(self.context, scenarios=Scenarios(self.search.model, self.search.search, held))
+        held = [self.search.uncertain.scenario(share) for share in shares]
+        families: list[tuple[PoseFamily[Any], Any]] = []
+        for family, prepared in self.context.families:
+            if isinstance(family, SingleError):
+                in_scenarios = ErrorInScenarios(family, self.search.singles[family.name].held(held))
+                families.append((in_scenarios, in_scenarios.prepare(self.problem)))
+            else:
+                families.append((family, prepared))
+        return replace(self.context, scenarios=self.search.held(held), families=tuple(families))
 
     def _designed(self, shares: list[Array]) -> RobustDesign | None:
         self.rounds += 1
@@ -69,8 +80,9 @@ class RobustExchange:
             return None
         arm = arm_of(choice.space, choice.exchanged.x, choice.combination.materials)
         worst = choice.exchanged.worst
-        claimed = choice.objective if worst is None else worst.error
-        return RobustDesign(context, choice, arm, claimed, self.rounds, False)
+        if worst is None:
+            worst = context.worst(arm, numeric_beams(arm, self.problem.load_cases), certify=False)
+        return RobustDesign(context, choice, arm, worst.error, self.rounds, False)
 
     def worst(self) -> RobustDesign | Context:
         """The design with the least worst error over all scenarios; the context where the last ones leave none."""
@@ -81,14 +93,27 @@ class RobustExchange:
                 return self.context_for(shares)
             if design.choice.interrupted:
                 return design
-            scenario, case, _ = self.search.worst(design.arm, _SEED, shares)
-            if case.error <= design.claimed * (1.0 + _WITHIN) or any(
-                np.array_equal(scenario, share) for share in shares
-            ):
+            worse = self._worse(design, shares)
+            if not worse:
                 return replace(design, settled=True)
-            if len(shares) == _ROUNDS:
+            if len(shares) >= _ROUNDS:
                 return design
-            shares.append(scenario)
+            shares += worse
+
+    def _worse(self, design: RobustDesign, known: list[Array]) -> list[Array]:
+        """The scenarios, beside those known, in which a design errs more than it was made for, or most beyond a limit
+        of a load case or point."""
+        searches = [(self.search, design.claimed)] if self.context.uses_error else []
+        limits = (limit for limit in self.problem.limits if limit.name in self.search.singles)
+        searches += [(self.search.singles[limit.name], limit.value) for limit in limits]
+        worse: list[Array] = []
+        for search, allowed in searches:
+            scenario, case, _ = search.worst(design.arm, _SEED, known)
+            if case.error > allowed * (1.0 + _WITHIN) and not any(
+                np.array_equal(scenario, share) for share in (*known, *worse)
+            ):
+                worse.append(scenario)
+        return worse
 
     def share(self, start: Arm) -> RobustDesign | Context:
         """The design with the least error that a share of the sample does not exceed, from that of an arm."""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 
 from linkwright.core.optimize.uncertain import Scenario
 
@@ -16,7 +16,7 @@ class RobustFigure:
     `nominal` is that of the arm as it is, `scenario` one at which it has the value. Of the worst, `looked_at` vertices
     and inner points were searched, without proof that none is worse. Of a share, `value` is the quantile of `looked_at`
     fresh samples, and `upper` what the share does not exceed with 95 % confidence (None where that takes more
-    samples).
+    samples). `singles` are the worst errors (m) of each load case and point with a limit, by the limit's name.
     """
 
     share: float
@@ -26,6 +26,12 @@ class RobustFigure:
     looked_at: int
     upper: float | None
     widths: Mapping[str, tuple[float, ...]]
+    singles: Mapping[str, float] = field(default_factory=dict[str, float])
+
+    @property
+    def errors(self) -> dict[str, float]:
+        """All errors (m) that a limit may be on, by its name."""
+        return {"max_error": self.value, **self.singles}
 
 
 @dataclass(frozen=True)

@@ -122,13 +122,16 @@ def _samples(problem: Problem) -> int:
 
 
 def _keeps(problem: Problem, figure: RobustFigure) -> bool:
-    return all(excess(limit, figure.value) <= GAP for limit in problem.limit("max_error"))
+    """Whether an arm keeps the limits on errors where all that is uncertain counts."""
+    limits = (limit for limit in problem.limits if limit.name in figure.errors)
+    return all(excess(limit, figure.errors[limit.name]) <= GAP for limit in limits)
 
 
 def _kept(problem: Problem, nominal: OptimizationResult, robust: Robust, began: float) -> OptimizationResult:
     """The nominal optimum as the answer: no design was found that is better for what is uncertain."""
     first = nominal.near_ties[:_MOST_TIES]
-    valued = (replace(item, objective=_judged(problem, item.arm).value) for item in first)
+    judged = ((item, _judged(problem, item.arm)) for item in first)
+    valued = (replace(item, objective=figure.value) for item, figure in judged if _keeps(problem, figure))
     near = (item for item in valued if item.objective <= robust.design.value * (1.0 + NEAR))
     return replace(
         nominal,
@@ -237,5 +240,6 @@ def _doubts(problem: Problem, design: Design, figure: RobustFigure) -> tuple[str
     doubts: list[str] = []
     if problem.minimize == "max_error" and figure.value > design.claimed * (1.0 + 10.0 * GAP):
         doubts.append(f"a fresh scenario has {shown(figure.value)}, above the {shown(design.claimed)} of the exchange")
-    broken = (limit for limit in problem.limit("max_error") if excess(limit, figure.value) > 10.0 * GAP)
-    return (*doubts, *(f"{limit.text} is not kept in a fresh scenario: {shown(figure.value)}" for limit in broken))
+    held = [(limit, figure.errors[limit.name]) for limit in problem.limits if limit.name in figure.errors]
+    broken = [(limit.text, error) for limit, error in held if excess(limit, error) > 10.0 * GAP]
+    return (*doubts, *(f"{text} is not kept in a fresh scenario: {shown(error)}" for text, error in broken))

@@ -17,13 +17,15 @@ from scipy.special import bdtr
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
 from linkwright.core.arm.errors.varied import as_it_is
+from linkwright.core.arm.figures import families_of
+from linkwright.core.arm.figures.error import SingleError
 from linkwright.core.arm.worst.search import WorstCase, WorstSearch
 from linkwright.core.optimize.exchange.design import with_chosen_links
 from linkwright.core.optimize.exchange.exchange import CERTIFICATE_GAP
-from linkwright.core.optimize.exchange.scenarios import scenario_values
+from linkwright.core.optimize.exchange.scenarios import Scenarios, scenario_values
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.robust.result import RobustFigure
-from linkwright.core.optimize.uncertain import Uncertain
+from linkwright.core.optimize.uncertain import Scenario, Uncertain
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError
 
@@ -39,8 +41,9 @@ _CHUNK = 40_000
 class ScenarioSearch:
     """Looks for the worst scenarios of designs, again and again as the design changes."""
 
-    def __init__(self, problem: Problem, arm: Arm | None = None) -> None:
-        """For the arms of a problem; `arm` is one of another structure to be looked at instead."""
+    def __init__(self, problem: Problem, arm: Arm | None = None, single: SingleError | None = None) -> None:
+        """For the arms of a problem; `arm` is one of another structure to be looked at instead, and `single` says of
+        which load case or point alone the error counts."""
         assert problem.uncertain is not None
         self.uncertain: Uncertain = problem.uncertain
         self.loads = problem.load_cases
@@ -49,13 +52,24 @@ class ScenarioSearch:
             if name == "stiffness" and base.joints[k].zones:
                 would_do = "leave its stiffness out of uncertain, or give the joint one stiffness"
                 raise InputError(problem.file, "uncertain", f"joint {k + 1} has zones of stiffness; {would_do}")
-        self.model = error_model(base, self.loads, drives=True, varied=self.uncertain.varied)
-        self.search = WorstSearch(self.model, problem.workspace, gap=CERTIFICATE_GAP)
+        cases, workspace = self.loads, problem.workspace
+        families = families_of({limit.name: limit.figure for limit in problem.limits})
+        singles = [family for family in families if isinstance(family, SingleError)]
+        if single is not None:
+            (cases, workspace), singles = single.part(cases, workspace), []
+        self.model = error_model(base, cases, drives=True, varied=self.uncertain.varied)
+        self.search = WorstSearch(self.model, workspace, gap=CERTIFICATE_GAP)
+        self.singles = {family.name: ScenarioSearch(problem, base, family) for family in singles}
+        """The searches for the error of each load case and point with a limit, by the limit's name."""
 
     @property
     def size(self) -> int:
         """How many factors are uncertain."""
         return len(self.uncertain.places)
+
+    def held(self, scenarios: Sequence[Scenario]) -> Scenarios:
+        """Scenarios that a design is held for, with the error that counts here."""
+        return Scenarios(self.model, self.search, tuple(scenarios))
 
     def exact(self, arm: Arm, shares: Array, extra: Array | None = None) -> WorstCase:
         """The worst case of an arm over its workspace in one scenario, without a certificate."""
@@ -175,8 +189,12 @@ def robust_figure(arm: Arm, problem: Problem, search: ScenarioSearch | None = No
     nominal = scenarios.nominal(arm)
     if uncertain.worst:
         shares, case, compared = scenarios.worst(arm, _SEED)
-        value = max(case.error, nominal)
-        return RobustFigure(1.0, value, nominal, uncertain.scenario(shares), compared, None, uncertain.widths)
+        value, scenario = max(case.error, nominal), uncertain.scenario(shares)
+        singles = {
+            name: max(search.worst(arm, _SEED)[1].error, search.nominal(arm))
+            for name, search in scenarios.singles.items()
+        }
+        return RobustFigure(1.0, value, nominal, scenario, compared, None, uncertain.widths, singles)
     samples = scenarios.samples(FRESH, _SEED)
     errors = scenarios.sampled(arm, samples, _SEED)
     order = np.argsort(errors, kind="stable")

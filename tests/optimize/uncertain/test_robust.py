@@ -248,7 +248,7 @@ WRONG = {
     "robust: worst\nuncertain: {stiffness: 5 %}\nworkspace: {path: [[600 mm, 0 m], [700 mm, 0 m]], error: across}\n": (
         "counts the whole error"
     ),
-    "robust: worst\nuncertain: {stiffness: 5 %}\nload_cases: [{subject_to: {max_error: '<= 1 mm'}}]\n": (
+    "robust: 95 %\nuncertain: {stiffness: 5 %}\nload_cases: [{subject_to: {max_error: '<= 1 mm'}}]\n": (
         "one max_error for all load cases and points"
     ),
     "minimize: mass\nrobust: worst\nuncertain: {stiffness: 5 %}\n": "neither minimised nor limited",
