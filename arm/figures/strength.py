@@ -54,6 +54,9 @@ STRENGTH_FIELDS = (
 """The order in which `strength_values` lists each link's section."""
 STATIONS = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Where along a link its stress is looked at, as a share of its length from its joint."""
+PLANES = 2
+"""Each link may buckle towards its height and towards its width: one share of Euler's load for each, as the greater of
+both has no derivative where they are equal, and there the lightest links are."""
 STRESSES = len(STATIONS) + 2
 """So many stresses each link has: where bending is largest at `STATIONS`, and where shear counts at both ends."""
 _SPREAD = (math.pi**2 / 4.0) / 7.837
@@ -71,8 +74,8 @@ class StrengthCase(Expressions):
     """Stress, compression and deflection under one load case, as functions of poses.
 
     From (q, p, s) to: equivalent stresses (Pa; link after link, each at `STATIONS`), the share of Euler's
-    load that presses each link (negative in tension), and each link's deflection over its length. Rigid links are
-    left out: `links` numbers those that are listed.
+    load that presses each link in each of `PLANES` (negative in tension), and each link's deflection over its length.
+    Rigid links are left out: `links` numbers those that are listed.
     """
 
     links: tuple[int, ...]
@@ -100,7 +103,7 @@ def strength_case(arm: Arm, load: LoadCase) -> StrengthCase:
         for i in links
         for item in (*_stresses(state.links[i], _entries(s, i)), *_sheared(state.links[i], _entries(s, i)))
     ]
-    compression = [_compression(state, i) for i in links]
+    compression = [share for i in links for share in _compressions(state, i)]
     deflection = [_deflection(state.links[i]) for i in links]
     columns = (ca.vertcat(ca.SX(0, 1), *column) for column in (stress, compression, deflection))
     return StrengthCase((q, p, s), tuple(columns), links)
@@ -206,7 +209,7 @@ def _sheared_at(link: LinkState, section: Sequence[Any], rest: Scalar, beyond: V
     return ca.sqrt(reduce(ca.fmax, map(ca.SX, squares)) + 1e-6)
 
 
-def _compression(state: PoseState, index: int) -> Scalar:
+def _compressions(state: PoseState, index: int) -> list[Scalar]:
     link = state.links[index]
     # Stable loads are a convex set, so that a straight line between both Euler loads is on the safe side of it.
     weight = link.weight if link.beam.taper.parts else scale(_SPREAD, link.weight)
@@ -216,8 +219,8 @@ def _compression(state: PoseState, index: int) -> Scalar:
     assert in_height is not None
     assert in_width is not None
     taper = link.beam.taper
-    weaker = ca.fmin(times(taper.column_height, in_height), times(taper.column_width, in_width))
-    return pressing * (4.0 / math.pi**2) * length * length / weaker
+    columns = (times(taper.column_height, in_height), times(taper.column_width, in_width))
+    return [pressing * (4.0 / math.pi**2) * length * length / column for column in columns]
 
 
 def _deflection(link: LinkState) -> Scalar:
@@ -266,7 +269,7 @@ def worst_strength(
     count = len(links)
     results = [tuple(np.asarray(out) for out in case.vectorised(q, p, s)) for case in cases]
     stress = np.stack([out[0].reshape(len(q), count, STRESSES).max(axis=2) for out in results])
-    compression = np.stack([out[1] for out in results])
+    compression = np.stack([_weaker(out[1]) for out in results])
     deflection = np.stack([out[2] for out in results])
     greatest = stress.max(axis=(0, 1)) if count else np.zeros(0)
     pressed = compression.max(axis=(0, 1)) if count else np.zeros(0)
@@ -316,9 +319,14 @@ def _weakest(search: WorstSearch, case: StrengthCase, poses: Array, p: Array, s:
     def loads(q: Array) -> Array:
         """All stresses and compressions at poses q."""
         stress, compression, _ = case.vectorised(q, p, s)
-        return np.hstack([stress, compression])
+        return np.hstack([stress, _weaker(compression)])
 
     return climbed(search, loads, poses, p, _CLIMBS)
+
+
+def _weaker(compression: Array) -> Array:
+    """The share of Euler's load that presses each link (N, L) in the plane where it is greater."""
+    return np.reshape(compression, (len(compression), -1, PLANES)).max(axis=2)
 
 
 class Strength(PoseFamily[StrengthResult]):
@@ -344,7 +352,9 @@ class Strength(PoseFamily[StrengthResult]):
         for number, limit in enumerate(held.limits):
             for entry, link in enumerate(case.links):
                 if limit.name == BUCKLING.name:
-                    yield number, compression[entry] * limit.value - ca.exp(held.slack[number])
+                    for plane in range(PLANES):
+                        share = compression[PLANES * entry + plane] * limit.value
+                        yield number, share - ca.exp(held.slack[number])
                 elif limit.name == SAFETY_FACTOR.name:
                     material = design.materials[link]
                     assert material is not None

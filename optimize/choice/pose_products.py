@@ -25,7 +25,7 @@ from linkwright.core.arm.chain.beam import Beam
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.errors.model import BEAM_FIELDS, ErrorModel
 from linkwright.core.arm.figures import Cut
-from linkwright.core.arm.figures.strength import STATIONS, STRENGTH_FIELDS, STRESSES, StrengthCase
+from linkwright.core.arm.figures.strength import PLANES, STATIONS, STRENGTH_FIELDS, STRESSES, StrengthCase
 from linkwright.core.arm.limits.modes import SegmentedArm, work_and_inertia
 from linkwright.core.optimize.choice.products import EXPANSION, FEATURES, Power, Products
 from linkwright.core.optimize.exchange.binding_poses import ErrorCut
@@ -245,10 +245,11 @@ def compression_products(case: StrengthCase, cut: Cut, p: Array) -> dict[int, Pr
     _, shares, _ = case.vectorised(np.tile(cut.q, (len(designs), 1)), designs.reshape(len(designs), -1), _ones(size))
     products: dict[int, Products] = {}
     for entry, link in enumerate(case.links):
-        weaker = (link, SOFT[min(planes, key=lambda k: values[link, k])])
-        terms: dict[Power, float] = {(weaker,): float(shares[0, entry])}
+        plane = min(range(PLANES), key=lambda k: values[link, planes[k]])
+        weaker, pressed = (link, SOFT[planes[plane]]), shares[:, PLANES * entry + plane]
+        terms: dict[Power, float] = {(weaker,): float(pressed[0])}
         for number, weight in enumerate(weights):
-            terms[tuple(sorted(((weight, 0), weaker)))] = float(shares[number + 1, entry] - shares[0, entry])
+            terms[tuple(sorted(((weight, 0), weaker)))] = float(pressed[number + 1] - pressed[0])
         products[entry] = Products(terms)
     return products
 

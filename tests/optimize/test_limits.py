@@ -12,6 +12,7 @@ import casadi as ca
 import numpy as np
 import pytest
 from rich.console import Console
+from scipy.optimize import brentq
 
 from linkwright.core.arm.chain.chain import Arm, Joint, Link, LoadCase
 from linkwright.core.arm.errors.model import beam_values, beams_of
@@ -163,6 +164,31 @@ def test_aspect_holds_the_height_of_a_bar(tmp_path: Path) -> None:
 
 
 # ---- tip stiffness
+
+
+@pytest.mark.parametrize(("shape", "wall"), [("rectangle", math.inf), ("rectangular_tube", 2e-3)])
+def test_lightest_column_is_square(shape: str, wall: float, tmp_path: Path) -> None:
+    """Upright under 40 kg and its weight, held at its foot: of all sections as heavy a square one holds most."""
+    length, density, modulus = 0.8, 2700.0, 70e9
+
+    def mass_and_factor(side: float) -> tuple[float, float]:
+        inner = max(side - 2.0 * wall, 0.0)
+        mass = density * (side**2 - inner**2) * length
+        euler = math.pi**2 / 4.0 * modulus * (side**4 - inner**4) / 12.0 / length**2
+        return mass, euler / (9.81 * (40.0 + math.pi**2 / 4.0 / 7.837 * mass))
+
+    side = brentq(lambda size: mass_and_factor(size)[1] - 3.0, 5e-3, 0.1)
+    arm = (
+        "chain:\n  - joint: {type: revolute, range: [80 deg, 100 deg]}\n"
+        "    link: {length: 800 mm, section: {shape: rectangle, width: 30 mm, height: 40 mm},\n"
+        "      material: {elastic_modulus: 70 GPa, density: 2700 kg/m^3, poisson_ratio: 0.33}}\n"
+        "payload: {mass: 40 kg}\n"
+    )
+    sizes = "section_size: [5 mm, 100 mm], thickness: [2 mm, 10 mm], local_buckling: off"
+    text = f"workspace: {{poses: [[90 deg]]}}\nminimize: mass\nchoose: {{section: [{shape}]}}\n"
+    result = optimise(problem_of(tmp_path, arm, f"{text}subject_to: {{buckling: '>= 3', {sizes}}}\n"))
+    assert result.status == "converged"
+    assert result.objective == pytest.approx(mass_and_factor(side)[0], rel=2e-4)
 
 
 def test_tip_stiffness_of_one_link_by_hand() -> None:
