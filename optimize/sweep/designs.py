@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from linkwright.core.arm.avoid.obstacle import Obstacle
 from linkwright.core.arm.chain.chain import Arm, Link, LoadCase
 from linkwright.core.arm.errors.lost_motion import played
 from linkwright.core.arm.errors.model import beam_values, beams_of, error_model
@@ -56,6 +57,7 @@ class _Question:
     arm: Arm
     load_cases: tuple[LoadCase, ...]
     limits: tuple[Limit, ...]
+    avoid: tuple[Obstacle, ...] = ()
     shapes: None = None
     actuators: None = None
     workspace: Workspace = field(default_factory=Workspace)
