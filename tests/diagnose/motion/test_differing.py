@@ -7,6 +7,7 @@ from linkwright.core.diagnose.motion.diagnosis import diagnose_motion
 from linkwright.core.diagnose.motion.predict import predict_motion
 from linkwright.core.diagnose.motion.uses.compare import compare_motion
 from linkwright.core.diagnose.options import Options, silent
+from tests.costs import slow_but
 from tests.diagnose.motion.plumb_arm import HAND, NOISE, logged, plumb_arm
 
 LOAD, DRY = 1.2, 0.8
@@ -33,7 +34,7 @@ def mass_of(finding):
     return mass
 
 
-@pytest.mark.parametrize("loaded", [0, 1])
+@pytest.mark.parametrize("loaded", slow_but([0, 1], 1))
 def test_a_load_in_one_of_two_logs(tmp_path, loaded):
     """Whichever comes first; the interval holds the truth, and all else is within what noise makes."""
     logs = [logged(5 + k, held(LOAD if k == loaded else 0.0), smooth, f"{k}.csv") for k in range(2)]
@@ -105,7 +106,7 @@ def test_what_is_small_beside_an_unknown_is_no_difference(tmp_path):
     assert (result.verdict, result.unknown.joints, result.unknown.depends_on) == ("unknown", (1,), ("q2",))
 
 
-@pytest.mark.parametrize("dry", [0.0, 0.8])
+@pytest.mark.parametrize("dry", slow_but([0.0, 0.8], 0.8))
 def test_more_than_the_sensors_noise_is_never_nothing(tmp_path, dry):
     """1 N*m that goes with both joints' angles together and with neither alone, in one log or two."""
 

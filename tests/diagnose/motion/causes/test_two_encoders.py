@@ -18,6 +18,7 @@ from linkwright.core.diagnose.motion.predict import predict_motion
 from linkwright.core.diagnose.motion.preparation import prepare
 from linkwright.core.diagnose.rules.rules import RULES
 from linkwright.json.motion import motion_json
+from tests.costs import slow_but
 from tests.diagnose.motion.causes.three_joints import NAMES, THREE
 from tests.diagnose.motion.test_file_is_the_model import read_back
 
@@ -111,7 +112,7 @@ def test_a_gear_between_two_encoders_is_named_with_stiffness_and_damping(arm, sp
     assert max(between["left"], between["written"]) < 1e-4 < 1e-2 < between["without"] == between["nominal"]
 
 
-@pytest.mark.parametrize("stiffness", [350.0, STIFFNESS, 1400.0])
+@pytest.mark.parametrize("stiffness", slow_but([350.0, STIFFNESS, 1400.0], 350.0))
 def test_what_the_file_gives_a_drive_counts(arm, springy, stiffness):
     """Found is the compliance beyond that of the file. This says nothing of the gear's damping, which is the whole
     drive's once it is written."""
@@ -146,7 +147,7 @@ def test_links_move_as_the_encoders_behind_the_gears_say(arm, springy):
     assert by_motors > 10.0 * by_links
 
 
-@pytest.mark.parametrize("said", [False, True])
+@pytest.mark.parametrize("said", slow_but([False, True], True))
 def test_loads_show_which_encoder_is_the_motors(arm, springy, said):
     """Whatever recording.yaml says."""
     swapped = replace(springy, q=springy.joint_side, joint_side=springy.q, beyond_drive=said)
@@ -161,7 +162,7 @@ def loose():
     return log_of(LOOSE, step=1e-4)
 
 
-@pytest.mark.parametrize("counts", [False, True])
+@pytest.mark.parametrize("counts", slow_but([False, True], False))
 def test_play_between_two_encoders_is_backlash_and_no_compliance(arm, loose, counts):
     found = named(diagnose_motion(arm, [rounded(loose) if counts else loose]))
     assert set(found) == {("backlash", (2,))}
@@ -188,6 +189,7 @@ def not_of_loads(log, size):
     return size * (np.sin(log.q + 1.0) + 0.3 * np.sin(7.0 * log.q) + 0.3 * np.tanh(speed / 0.02))
 
 
+@pytest.mark.slow
 def test_what_goes_with_angles_and_speeds_is_no_compliance(arm):
     log = log_of()
     assert diagnose_motion(arm, [replace(log, joint_side=log.joint_side + not_of_loads(log, 5e-4))]).findings == ()

@@ -8,6 +8,7 @@ from linkwright.json.motion import motion_json
 from linkwright.results.document import Section
 from linkwright.results.motion.answer import answer
 from linkwright.results.motion.described import describe
+from tests.costs import slow_but
 from tests.diagnose.motion.plumb_arm import FORE, HAND, UPPER, logged, plumb_arm, rough
 
 CONTACT, COLLISION = (8.0, 10.5), (12.0, 12.15)
@@ -35,7 +36,7 @@ def diagnosed(tmp_path, seed, more_of):
     return diagnose_motion(plumb_arm(tmp_path), [logged(seed, lambda t: np.full_like(t, HAND), more_of)])
 
 
-@pytest.mark.parametrize(("seed", "along"), [(1, 1.0), (2, 0.5)])
+@pytest.mark.parametrize(("seed", "along"), [pytest.param(1, 1.0, marks=pytest.mark.slow), (2, 0.5)])
 def test_a_contact(tmp_path, seed, along):
     """At the tip, and half way along the link: when, which link and joints, and how much; nothing else is named."""
     force = np.array([12.0, 16.0])
@@ -62,7 +63,14 @@ def test_a_collision_is_said_and_set_aside(tmp_path):
     assert result.rms_after == pytest.approx(diagnosed(tmp_path, 1, lambda q, _: 0.0 * q).rms_after, rel=0.3)
 
 
-@pytest.mark.parametrize(("seed", "span"), [(1, (12.0, 12.15)), (2, (12.034, 12.184)), (4, (9.01, 9.36))])
+@pytest.mark.parametrize(
+    ("seed", "span"),
+    [
+        pytest.param(1, (12.0, 12.15), marks=pytest.mark.slow),
+        (2, (12.034, 12.184)),
+        pytest.param(4, (9.01, 9.36), marks=pytest.mark.slow),
+    ],
+)
 def test_how_hard_a_collision_is(tmp_path, seed, span):
     """A push that is shorter than what the low-pass of 4 Hz blurs is told with its full force and its instants, by
     samples of 0.01 s: cut to its window after the low-pass it would be half of that."""
@@ -86,7 +94,7 @@ def test_what_acts_for_a_tenth_of_a_second_is_no_load(tmp_path, seed, force, spa
     assert event.change.start.time == pytest.approx(span[0], abs=STEP)
 
 
-@pytest.mark.parametrize("seed", [5, 6, 7])
+@pytest.mark.parametrize("seed", slow_but([5, 6, 7], 6))
 def test_rough_friction_is_no_event(tmp_path, seed):
     """Friction of any kind is of the joints."""
     assert diagnosed(tmp_path, seed, rough(seed)).events == ()
