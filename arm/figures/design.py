@@ -73,7 +73,7 @@ class DesignExpressions:
     cost: Any
     reach: Any
     radii: tuple[Any, ...]
-    """How far each link's section reaches from its axis at most, m."""
+    """How far each link's section reaches from its axis at most, m, where a limit asks for it."""
     hung: Any = 0.0
     """By how much counterweights (kg) are heavier than those of the arm as given."""
 

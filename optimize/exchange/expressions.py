@@ -16,6 +16,7 @@ from linkwright.core.arm.chain.similar_taper import similar_beam
 from linkwright.core.arm.errors.model import BEAM_FIELDS, beams_of, symbolic_beams
 from linkwright.core.arm.figures import ChosenMaterial, DesignExpressions
 from linkwright.core.arm.figures.local_buckling import LOCAL_BUCKLING
+from linkwright.core.arm.figures.separation import SEPARATION
 from linkwright.core.arm.figures.strength import STRENGTH_FIELDS
 from linkwright.core.arm.limits.wall_modes import Mode, modes_of
 from linkwright.core.optimize.problem import Problem
@@ -67,7 +68,7 @@ def link_fields(modes: int) -> tuple[str, ...]:
 @dataclass(frozen=True)
 class LinkExpressions:
     """What one link of a design is, as expressions: `mass` (kg) and `cost` (EUR) are its own, `modes` the ways in which
-    its walls buckle."""
+    its walls buckle and `radius` (m) how far its section reaches, where a limit asks for them."""
 
     section: Section | None
     material: ChosenMaterial | None
@@ -75,14 +76,15 @@ class LinkExpressions:
     beam: Beam
     mass: Any
     cost: Any
-    modes: tuple[Mode, ...]
+    modes: tuple[Mode, ...] = ()
+    radius: Any = 0.0
 
     @property
     def column(self) -> dict[str, Any]:
         """Its values by `link_fields`, 0 where it has none."""
         strength = [1.0 if self.properties is None else getattr(self.properties, name) for name in STRENGTH_FIELDS]
-        radius = 0.0 if self.section is None else self.section.greatest_radius
-        entries = [*(getattr(self.beam, name) for name in BEAM_FIELDS), *strength, self.mass, self.cost, radius]
+        of_beam = (getattr(self.beam, name) for name in BEAM_FIELDS)
+        entries = [*of_beam, *strength, self.mass, self.cost, self.radius]
         entries += [getattr(mode, item.name) for mode in self.modes for item in fields(Mode)]
         names = link_fields(len(self.modes))
         return {name: ca.SX(0.0 if entry is None else entry) for name, entry in zip(names, entries, strict=True)}
@@ -99,7 +101,7 @@ def link_expressions(space: DesignSpace, x: Any, materials: Any) -> list[LinkExp
         if section is None:
             assert rigid_beams is not None
             beam = rigid_beams[link]
-            links.append(LinkExpressions(None, None, None, beam, beam.lumped_mass, 0.0, ()))
+            links.append(LinkExpressions(None, None, None, beam, beam.lumped_mass, 0.0))
             continue
         material = material_values(materials, link)
         result = symbolic_properties(section.shape, chosen[link][0], material.poisson_ratio)
@@ -111,9 +113,9 @@ def link_expressions(space: DesignSpace, x: Any, materials: Any) -> list[LinkExp
         weight = beam.mass_per_length * length
         cost = weight * material.cost + price_by_length(arm) * length
         modes = modes_of(section, result, material) if space.problem.limit(LOCAL_BUCKLING.name) else ()
-        links.append(
-            LinkExpressions(section, material, result, beam, weight, cost, tuple(mode for _, mode in modes or ()))
-        )
+        radius = section.greatest_radius if space.problem.limit(SEPARATION.name) else 0.0
+        own = tuple(mode for _, mode in modes or ())
+        links.append(LinkExpressions(section, material, result, beam, weight, cost, own, radius))
     return links
 
 
