@@ -219,6 +219,11 @@ def uncertain() -> Iterator[Asked]:
     limit = "max_error: '<= 0.8 mm'"
     plane = Plane(payload="mass: 2 kg, force: [0 N, 60 N, 0 N]").text
     yield lightest_rods("`uncertain: payload`", limit, held(payload=1.3), 0.8e-3, text=text % "payload: 30 %")
+    cases = (
+        "load_cases:\n  - {payload: {mass: 2 kg}, subject_to: {max_error: '<= 0.8 mm'}}\n  - {payload: {mass: 4 kg}}\n"
+    )
+    what = "`uncertain: payload`, `max_error` of a load case"
+    yield lightest_rods(what, "", held(payload=1.3), 0.8e-3, text=cases + text % "payload: 30 %")
     yield lightest_rods("`uncertain: link_length`", limit, held(longer=2e-4), 0.8e-3, text=text % "link_length: 0.2 mm")
     yield lightest_rods("`uncertain: temperature`", limit, _warm, 0.8e-3, text=text % "temperature: 15 K")
     yield lightest_rods(
