@@ -1,7 +1,7 @@
 """How far an arm keeps from what it is to avoid: the least over its workspace, a link as thick as its section reaches.
 
-A cut is a pose with the points of the pieces that come nearest there. Wherever these points of another design are at
-that pose, it comes no nearer than they do, so that every cut is valid for every design.
+A cut is a pose with the points of the pieces that come nearest there. At that pose any other design is at most as far
+away as these points of it are, so that every cut is valid for every design.
 """
 
 from __future__ import annotations
@@ -16,15 +16,13 @@ import numpy as np
 from linkwright.core.arm.avoid.obstacle import Obstacle, Piece, pieces
 from linkwright.core.arm.chain.chain import Arm
 from linkwright.core.arm.chain.kinematics import parts
-from linkwright.core.arm.limits.weakest_poses import climbed
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, format_quantity
 
 from .design import DesignExpressions, DesignValues
 from .figure import Asked, Cut, Figure, Held, PoseFamily, ThroughPoses, Worst
+from .statics import greatest
 
-_CLIMBS = 4
-"""Climbs for each piece."""
 _ASSUMED = 1e-3
 """m that are kept where nobody says how much."""
 _SCALE = 0.02
@@ -139,14 +137,9 @@ class Separations(PoseFamily[Nearest]):
 
     def _each(self, asked: Sequence[Question], design: DesignValues) -> list[Worst]:
         arm = design.arm
-        loads = climbed(design.search, lambda q: -_gaps(arm, asked, q), design.poses, design.p, _CLIMBS, least=-np.inf)
-        poses = np.vstack([design.poses, loads])
-        least = _gaps(arm, asked, poses).argmin(axis=0)
-        worst: list[Worst] = []
-        for group, (one, row) in enumerate(zip(asked, least.tolist(), strict=True)):
-            cut = self._cut(arm, one, group, poses[row])
-            worst.append(Worst(self.name, *cut))
-        return worst
+        nearest = greatest([lambda q: -_gaps(arm, asked, q)], design.poses, design.p, design.search)
+        cuts = (self._cut(arm, one, group, np.array(nearest[group].q)) for group, one in enumerate(asked))
+        return [Worst(self.name, gap, cut) for gap, cut in cuts]
 
     @staticmethod
     def _cut(arm: Arm, one: Question, group: int, q: Array) -> tuple[float, Cut]:
