@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from types import MappingProxyType
 from typing import Any
 
-from linkwright.core.arm.figures.proportions import WALL_SLENDERNESS
+from linkwright.core.arm.figures.geometry.proportions import WALL_SLENDERNESS
 from linkwright.core.arm.figures.tip_stiffness import SIDEWAYS_STIFFNESS
 from linkwright.core.registries import Registry
 from linkwright.core.units.units import kinds
@@ -29,11 +29,11 @@ from .figure import (
     WorstError,
 )
 from .frequency import FIRST_FREQUENCY
+from .geometry.proportions import ASPECT, INNER_SIZE, SECTION_HEIGHT, SECTION_WIDTH
+from .geometry.separation import SEPARATION
 from .limit import KEPT_WITHIN, Demands, Limit, broken, excess, figures_of, shortfall
 from .local_buckling import LOCAL_BUCKLING
 from .motion.cycle import MOTION_USE, PEAK_TORQUE, RMS_TORQUE
-from .proportions import ASPECT, INNER_SIZE, SECTION_HEIGHT, SECTION_WIDTH
-from .separation import SEPARATION
 from .statics import OfStatics, at_poses
 from .strength import BUCKLING, SAFETY_FACTOR
 from .sums import COST, MASS, MATERIALS, PARTS, PAYLOAD, REACH, TOTAL_MASS

@@ -15,8 +15,8 @@ from linkwright.core.arm.chain.prices import price_by_length
 from linkwright.core.arm.chain.similar_taper import similar_beam
 from linkwright.core.arm.errors.model import BEAM_FIELDS, beams_of, symbolic_beams
 from linkwright.core.arm.figures import ChosenMaterial, DesignExpressions
+from linkwright.core.arm.figures.geometry.separation import SEPARATION
 from linkwright.core.arm.figures.local_buckling import LOCAL_BUCKLING
-from linkwright.core.arm.figures.separation import SEPARATION
 from linkwright.core.arm.figures.strength import STRENGTH_FIELDS
 from linkwright.core.arm.limits.wall_modes import Mode, modes_of
 from linkwright.core.optimize.problem import Problem

@@ -19,9 +19,9 @@ from linkwright.core.arm.chain.kinematics import parts
 from linkwright.core.sections.numeric import Array
 from linkwright.core.units.quantities import InputError, format_quantity
 
-from .design import DesignExpressions, DesignValues
-from .figure import Asked, Cut, Figure, Held, PoseFamily, ThroughPoses, Worst
-from .statics import greatest
+from ..design import DesignExpressions, DesignValues
+from ..figure import Asked, Cut, Figure, Held, PoseFamily, ThroughPoses, Worst
+from ..statics import greatest
 
 _ASSUMED = 1e-3
 """m that are kept where nobody says how much."""
