@@ -15,6 +15,7 @@ from linkwright.core.diagnose.motion.log import CURRENT, TORQUE, MotionLog
 from linkwright.core.diagnose.motion.preparation import prepare
 from linkwright.core.diagnose.motion.weighed import load_words, weighed
 from linkwright.core.diagnose.rules.rules import RULES
+from tests.costs import slow_but
 
 LENGTHS, MASSES = (0.4, 0.35, 0.2), (6.0, 3.0, 1.5)
 CONSTANTS = np.array([14.0, 11.0, 6.0])
@@ -76,7 +77,7 @@ def test_where_all_that_the_arm_weighs_may_be_a_load_its_weights_count_alone():
     np.testing.assert_allclose(with_it, CONSTANTS / (1.0 + LOAD / light[2]), rtol=0.02)
 
 
-@pytest.mark.parametrize("share", [1.0, 0.85])
+@pytest.mark.parametrize("share", slow_but([1.0, 0.85], 0.85))
 def test_the_interval_of_a_load_holds_the_gain_of_all_drives(share):
     """The file's masses are right, or all too small by 15 %, which nothing in the currents tells."""
     logs = [currents(7, 0.0, file="free.csv"), currents(8, LOAD, file="loaded.csv")]
@@ -89,6 +90,7 @@ def test_the_interval_of_a_load_holds_the_gain_of_all_drives(share):
     assert "cannot tell the load from the gain of all drives" in result.sentence
 
 
+@pytest.mark.slow
 def test_a_load_is_as_exact_as_constants_that_were_told():
     logs = [currents(7 + k, load, file=f"{k}.csv") for k, load in enumerate((0.0, LOAD))]
     told = [replace(log, torque=log.torque * CONSTANTS, torque_constants_free=False) for log in logs]

@@ -135,6 +135,7 @@ def test_droop_tells_a_loop_of_unknown_gain(tmp_path):
     assert held.weighed == pytest.approx([KT / R * GAIN * SUPPLY], rel=0.05)
 
 
+@pytest.mark.slow
 def test_short_logs_suffice_together(tmp_path):
     """A bus is read for seconds at a time: of none of these logs alone could anything be said."""
     path, arm = written(tmp_path, "log", 3, f"torque_constants: [{KT / R} N*m/V]", voltages=True)

@@ -198,6 +198,7 @@ def test_payloads_in_another_unit_are_told(said: float, unit: str) -> None:
     assert f"It looks as if {unit}: with that put right, nothing is missing" in result.sentence
 
 
+@pytest.mark.slow
 def test_drives_that_soften_under_load_are_no_other_unit() -> None:
     result = lifted(1.0, softens=0.01)
     assert result.verdict == "unknown"

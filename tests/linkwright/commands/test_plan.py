@@ -20,6 +20,7 @@ WELDING = ARM.parents[1] / "welding-arm" / "arm.yaml"
 PLAY = [{"effect": "backlash", "at": 2, "total": "3 arcmin"}]
 
 
+@pytest.mark.slow
 def test_plan_record_plan_the_deciding_poses_record_named(linkwright, tmp_path):
     """From one side and under one load play looks like a drive that hardens; the deciding visits name it."""
     first, plan = tmp_path / "first.csv", tmp_path / "plan.csv"

@@ -66,7 +66,10 @@ def designs(problem: Problem) -> list[Arm]:
     return arms
 
 
-@pytest.mark.parametrize(("ranges", "xs"), [(ALONG_Y, 1), pytest.param(EITHER, 61, marks=pytest.mark.slow)])
+@pytest.mark.parametrize(
+    ("ranges", "xs"),
+    [pytest.param(ALONG_Y, 1, marks=pytest.mark.slow), pytest.param(EITHER, 61, marks=pytest.mark.slow)],
+)
 def test_no_base_of_a_grid_with_any_sizes_does_better(tmp_path: Path, ranges: str, xs: int) -> None:
     problem = problem_of(tmp_path, ARM, TEXT % ranges)
     result = optimise(problem)

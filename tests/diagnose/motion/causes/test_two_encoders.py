@@ -195,6 +195,7 @@ def test_what_goes_with_angles_and_speeds_is_no_compliance(arm):
     assert diagnose_motion(arm, [replace(log, joint_side=log.joint_side + not_of_loads(log, 5e-4))]).findings == ()
 
 
+@pytest.mark.slow
 def test_what_goes_with_angles_and_speeds_hides_no_compliance(arm):
     stiff = 2e4
     log = log_of(f'stiffness="{stiff}" damping="100"', step=1e-4)

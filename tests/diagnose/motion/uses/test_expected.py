@@ -86,6 +86,7 @@ def test_a_log_says_what_it_tells():
     assert (resting.shown, resting.beside) == (False, None)
 
 
+@pytest.mark.slow
 def test_a_planned_motion_tells_more_than_twenty_at_random():
     """A rotor and a load: 0.6 times the median interval or less, and drives give what it takes."""
     arm = an_arm(peak_torque=34.0)
