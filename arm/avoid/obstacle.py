@@ -26,7 +26,8 @@ class Piece:
     """A cylinder about the line from `start` by `vector` (m; `along` it is its unit vector), with a `radius` (m).
 
     It begins at a joint (from 0; a tool at a number of its own), and the piece before it at the joint `before` (-1 of
-    the first). `offset`: it only leads from a link's end to a joint.
+    the first). Joints that stand in one point, as those of a wrist, count as the first of them. `offset`: it only
+    leads from a link's end to a joint.
     """
 
     name: str
@@ -78,8 +79,8 @@ def pieces(
 ) -> Iterator[Piece]:
     """The straight pieces of an arm at coordinates q (rad, m), links as long and as thick as the arm's own by default.
 
-    What no pose moves, the base up to a first joint that turns, comes only with `everything`. Of a link that stands
-    there, the first tenth, and no less than its radius, is the base's.
+    What stands still, the base up to the first joint and the rail of a slide there, comes only with `everything`. Of
+    the link that stands on it, the first tenth, and no less than its radius, is the base's.
     """
     for way in ways(arm):
         yield from _of_way(way, q, lengths, radii, everything=everything)
@@ -95,22 +96,26 @@ def _of_way(
 ) -> Iterator[Piece]:
     given = way.arm.lengths if lengths is None else [lengths[joint] for joint in way.joints]
     frames = place(way.arm, [q[joint] for joint in way.joints], given)
-    point, before = ZERO, -1
+    point, start, before = ZERO, -1, -1
     for index, (frame, link) in enumerate(zip(frames.joints, frames.links, strict=True)):
         joint, own = way.joints[index], way.arm.joints[index]
-        still = index == 0 and own.revolute
-        if everything or (not still and (any(own.origin_translation) or not own.revolute)):
-            yield Piece(f"offset of joint {joint + 1}", joint, before, point, frame.lead, offset=True)
+        leads = any(own.origin_translation) or not own.revolute
+        if everything or (index and leads):
+            yield Piece(f"offset of joint {joint + 1}", joint, start, point, frame.lead, offset=True)
+        if leads or index == 0 or way.arm.lengths[index - 1] > 0.0:
+            start, before = joint, start
         point = add(point, frame.lead)
         radius = half_size(way.arm.links[index]) if radii is None else radii[joint]
-        piece = Piece(f"link {joint + 1}", joint, before, point, link.vector, radius, link.along)
-        point, before = add(point, link.vector), joint
-        if still and not everything and way.arm.lengths[index] > 0.0:
+        piece = Piece(f"link {joint + 1}", start, before, point, link.vector, radius, link.along)
+        point = add(point, link.vector)
+        if index == 0 and not everything and way.arm.lengths[index] > 0.0:
             share = minimum(maximum(radius / given[index], _OF_BASE), 1.0)
             piece = replace(piece, start=piece.at(share), vector=scale(1.0 - share, link.vector))
         yield piece
     if everything or any(way.arm.tool):
-        yield Piece("the tool", len(q) + way.joints[-1], before, point, frames.tool)
+        if way.arm.lengths[-1] > 0.0:
+            start, before = len(q) + way.joints[-1], start
+        yield Piece("the tool", start, before, point, frames.tool)
 
 
 def half_size(link: Link) -> float:

@@ -245,6 +245,28 @@ def test_links_that_share_no_joint_are_asked_of():
     assert asked == [(0, 2), (0, 3), (0, 4), (1, 3), (1, 4), (2, 4)]
 
 
+def test_joints_that_stand_in_one_point_are_one():
+    """A wrist of three joints in one point, with a tool: the forearm (link 2) and the tool share it, whatever their
+    radii, and only link 1 keeps clear of what is beyond."""
+    arm = _chain(5, tool=(0.1, 0.0, 0.0))
+    wrist = (*arm.links[:2], *(replace(arm.links[2], length=0.0, section=None, mass=0.0),) * 3)
+    parts = list(pieces(replace(arm, links=wrist), [0.0] * 5))
+    assert [part.name for part in parts][::5] == ["link 1", "the tool"]
+    asked = OtherLinks().asks(parts)
+    assert (0, 5) in asked
+    assert {one for one, _ in asked} == {0}
+
+
+def test_a_rail_and_what_stands_on_its_carriage_are_clear_of_the_floor():
+    """A slide along the floor and one that rises from it: neither rail comes near it, the arm on them does."""
+    rod, turned = Link(0.3, direction=(0.0, 0.0, 1.0), section=Circle(0.02), material=ALUMINIUM), Joint(axis=(0, 1, 0))
+    for axis, least in (((1.0, 0.0, 0.0), 0.03), ((0.0, 0.0, 1.0), 0.23)):
+        slide = Joint("prismatic", axis=axis, range=(0.0, 0.4))
+        arm = Arm("on a rail", (slide, turned), (rod, replace(rod, direction=(1.0, 0.0, 0.0))), gravity=UP)
+        gaps = [FLOOR.closest([part], 1)[0][0] for part in pieces(arm, [0.2, 0.0])]
+        assert min(gaps) == pytest.approx(least, abs=1e-12)
+
+
 def _chain(size, tool):
     link = Link(0.3, section=Circle(0.05), material=ALUMINIUM)
     return Arm("chain", (Joint(),) * size, (link,) * size, tool=tool)
