@@ -21,7 +21,7 @@ from linkwright.core.arm.figures.strength import STRENGTH_FIELDS
 from linkwright.core.arm.limits.wall_modes import Mode, modes_of
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.sections import SHAPES
-from linkwright.core.sections.numeric import column_of_symbols
+from linkwright.core.sections.numeric import column_of_symbols, maximum
 from linkwright.core.sections.properties import SectionProperties
 from linkwright.core.sections.section import Section
 
@@ -114,6 +114,8 @@ def link_expressions(space: DesignSpace, x: Any, materials: Any) -> list[LinkExp
         cost = weight * material.cost + price_by_length(arm) * length
         modes = modes_of(section, result, material) if space.problem.limit(LOCAL_BUCKLING.name) else ()
         radius = section.greatest_radius if space.problem.limit(SEPARATION.name) else 0.0
+        if space.problem.ranges[link].taper is not None:
+            radius = radius * maximum(1.0, ca.exp(tapers[link]))
         own = tuple(mode for _, mode in modes or ())
         links.append(LinkExpressions(section, material, result, beam, weight, cost, own, radius))
     return links

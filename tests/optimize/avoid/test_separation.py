@@ -17,6 +17,7 @@ from linkwright.core.arm.evaluation import evaluate
 from linkwright.core.optimize.problem import Problem
 from linkwright.core.optimize.run import optimise
 from linkwright.core.sections.numeric import Array
+from linkwright.core.sections.taper import Tapered
 from linkwright.core.units.quantities import InputError, NoAnswer
 from tests.costs import slow_but
 from tests.optimize.builders import jointed, problem_of, ranged, taken_for_many
@@ -103,6 +104,20 @@ def test_the_best_of_all_combinations_keeps_clear(many: bool, tmp_path: Path, mo
         best = min(best, whole.max_error if whole.mass is not None and whole.mass <= 4.0 else math.inf)
     assert result.objective == pytest.approx(best, rel=1e-4)
     assert free.objective < result.objective * (1.0 - 1e-3)
+
+
+def test_links_that_widen_are_as_thick_as_their_far_end(tmp_path: Path) -> None:
+    text = (
+        "minimize: max_error\nsubject_to: {taper: [1.5, 2], section_size: [10 mm, 200 mm]}\n"
+        "choose: {section: [circle]}\n"
+    )
+    problem = asked(tmp_path, text, TABLE)
+    result = optimise(problem)
+    assert result.doubts == ()
+    tapers = [link.section for link in result.arm.links]
+    assert all(isinstance(taper, Tapered) for taper in tapers)
+    one, other = (0.5 * float(taper.far.properties(0.3).height) for taper in tapers if isinstance(taper, Tapered))
+    assert room(grid(problem.arm), TABLE, (one, other)) == pytest.approx(1e-3, abs=1e-4)
 
 
 def test_free_lengths_end_before_a_wall(tmp_path: Path) -> None:
