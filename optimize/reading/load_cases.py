@@ -92,10 +92,12 @@ def relative_cases(mapping: Mapping, arm: Arm, cases: tuple[LoadCase, ...]) -> t
                 "give the payload or the temperature at which the arm was calibrated, e.g. {payload: {mass: 2 kg}}"
             )
             raise body.error("", f"names no calibrated state; {would_do}")
-        if (temperature is None or temperature == arm.temperature) and all(payload in (None, case) for case in cases):
+        state = Calibrated(payload, temperature)
+        calibrated = [replace(case, relative_to=state) for case in cases]
+        same = all(case.when_calibrated == given for case, given in zip(calibrated, cases, strict=True))
+        if same and temperature in (None, arm.temperature):
             message = (
                 "is the state in which the arm works, so that nothing changes; name another payload or temperature"
             )
             raise body.error("", message)
-    state = Calibrated(payload, temperature)
-    return tuple(replace(case, relative_to=state) for case in cases)
+    return tuple(calibrated)

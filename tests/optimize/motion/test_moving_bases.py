@@ -83,10 +83,11 @@ def test_a_rod_that_swings_in_a_lift_asks_more_of_its_drive(tmp_path: Path) -> N
     assert drive.rms_torque == pytest.approx(math.sqrt(np.trapezoid(torque**2, time) / PERIOD), rel=2e-3)
 
 
-def test_what_is_calibrated_stood_still(tmp_path: Path) -> None:
-    """Relative to the load case's own payload at rest, the acceleration alone counts."""
+@pytest.mark.parametrize("since", ["payload: {mass: 1 kg}", "temperature: 20 degC"])
+def test_what_is_calibrated_stood_still(since: str, tmp_path: Path) -> None:
+    """Relative to the load case's own payload at rest, named or not, the acceleration alone counts."""
     text = "load_cases: [{payload: {mass: 1 kg}, acceleration: [0 m/s^2, 3 m/s^2]}]\n"
-    text += "relative_to: {payload: {mass: 1 kg}}\n"
+    text += f"relative_to: {{{since}}}\n"
     problem = problem_of(tmp_path, bars(500.0, joint=", range: [-1e-6 deg, 1e-6 deg]"), "minimize: max_error\n" + text)
     evaluation = evaluate(problem.arm, problem.workspace, problem.load_cases)
     assert evaluation.max_error == pytest.approx(sag(0.03, 3.0), rel=1e-6)
