@@ -183,10 +183,12 @@ def _through_poses(problem: Problem, extremes: dict[int, _Extremes]) -> list[Out
     for words, rigid in _IDEALS.items():
         given = _beams(arm, beams, extremes, rigid=rigid)
         ideals[words] = _Ideal(arm, cases, search, values_of_rigid(given), _POSES, given=given)
+    lines = arm.with_links(tuple(replace(link, section=None, material=None, mass=0.0) for link in arm.links))
+    thin = {"links that are lines": replace(next(iter(ideals.values())), arm=lines)}
     unreachable: list[OutOfReach] = []
     try:
         for number, limit in enumerate(problem.limits):
-            for words, ideal in ideals.items():
+            for words, ideal in (thin if _of_lines(limit) else ideals).items():
                 best = _best(problem, number, ideal, extremes) if _bounded(limit) else None
                 verb = "err by" if isinstance(limit.figure.follows, WorstError) else "reach"
                 bound = None if best is None else OutOfReach(limit, best, f"{words} {verb}")
@@ -209,7 +211,14 @@ _IDEALS = MappingProxyType(
 
 def _bounded(limit: Limit) -> bool:
     follows = limit.figure.follows
-    return isinstance(follows, WorstError) or (isinstance(follows, ThroughPoses) and follows.family.stiffer_is_better)
+    if isinstance(follows, ThroughPoses):
+        return follows.family.stiffer_is_better or _of_lines(limit)
+    return isinstance(follows, WorstError)
+
+
+def _of_lines(limit: Limit) -> bool:
+    follows = limit.figure.follows
+    return isinstance(follows, ThroughPoses) and follows.family.thinner_is_better
 
 
 def _beams(arm: Arm, beams: Sequence[Beam], extremes: dict[int, _Extremes], *, rigid: bool) -> tuple[Beam, ...]:

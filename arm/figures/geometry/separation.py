@@ -76,6 +76,7 @@ class Separations(PoseFamily[Nearest]):
     name: str = "separation"
     called: str = "separation"
     bounds_many: ClassVar[bool] = False
+    thinner_is_better: ClassVar[bool] = True
 
     def prepare(self, problem: Asked) -> Prepared:
         """The arm and what is asked of it. Raises `InputError` where nothing is to be avoided."""
