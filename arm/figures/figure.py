@@ -113,7 +113,7 @@ class PoseFamily(ABC, Generic[FigureResult]):
     """Whether no arm does better than a stiffer and lighter one, so that its figure with the stiffest and lightest
     links that may be chosen bounds every design; the quick refusals (`optimize.infeasible.quick`) then hold it too."""
     thinner_is_better: ClassVar[bool] = False
-    """Whether no arm does better than one whose links are lines; the quick refusals then hold that."""
+    """Whether no arm does better than one whose links have no thickness; the quick refusals then hold it too."""
     slope: ClassVar[float] = 1.0
     """By how many per cent a row gives way for one per cent of its limit."""
 

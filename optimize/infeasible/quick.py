@@ -3,7 +3,7 @@
 Each rests on an arm that no design can be better than: links as light as the lightest section and as stiff as the
 stiffest (or weightless and rigid), with the stiffest, lightest and closest drives that may be chosen. By Rayleigh's
 principle no frequency is above that of an arm that is stiffer and lighter; compliances and, where no two terms cancel
-(`optimize.choice.products`), errors add up term by term.
+(`optimize.choice.products`), errors add up term by term. No link keeps farther away than a line in its place.
 """
 
 from __future__ import annotations
@@ -183,12 +183,13 @@ def _through_poses(problem: Problem, extremes: dict[int, _Extremes]) -> list[Out
     for words, rigid in _IDEALS.items():
         given = _beams(arm, beams, extremes, rigid=rigid)
         ideals[words] = _Ideal(arm, cases, search, values_of_rigid(given), _POSES, given=given)
-    lines = arm.with_links(tuple(replace(link, section=None, material=None, mass=0.0) for link in arm.links))
-    thin = {"links that are lines": replace(next(iter(ideals.values())), arm=lines)}
+    thin: dict[str, _Ideal] = {}
+    if any(map(_is_of_thickness, problem.limits)):
+        thin["links without thickness"] = _without_thickness(next(iter(ideals.values())))
     unreachable: list[OutOfReach] = []
     try:
         for number, limit in enumerate(problem.limits):
-            for words, ideal in (thin if _of_lines(limit) else ideals).items():
+            for words, ideal in (thin if _is_of_thickness(limit) else ideals).items():
                 best = _best(problem, number, ideal, extremes) if _bounded(limit) else None
                 verb = "err by" if isinstance(limit.figure.follows, WorstError) else "reach"
                 bound = None if best is None else OutOfReach(limit, best, f"{words} {verb}")
@@ -212,11 +213,17 @@ _IDEALS = MappingProxyType(
 def _bounded(limit: Limit) -> bool:
     follows = limit.figure.follows
     if isinstance(follows, ThroughPoses):
-        return follows.family.stiffer_is_better or _of_lines(limit)
+        return follows.family.stiffer_is_better or _is_of_thickness(limit)
     return isinstance(follows, WorstError)
 
 
-def _of_lines(limit: Limit) -> bool:
+def _without_thickness(ideal: _Ideal) -> _Ideal:
+    """The arm with links that are lines."""
+    links = (replace(link, section=None, material=None, mass=0.0) for link in ideal.arm.links)
+    return replace(ideal, arm=ideal.arm.with_links(tuple(links)))
+
+
+def _is_of_thickness(limit: Limit) -> bool:
     follows = limit.figure.follows
     return isinstance(follows, ThroughPoses) and follows.family.thinner_is_better
 

@@ -26,12 +26,12 @@ from ..statics import greatest
 _ASSUMED = 1e-3
 """m that are kept where nobody says how much."""
 _SCALE = 0.02
-"""m; a row's size."""
+"""m; rows over it are of the order of one, as those of other limits are."""
 
 
 @dataclass(frozen=True)
-class Question:
-    """What is asked of pieces (by number) and an obstacle."""
+class CollisionPair:
+    """One piece of an arm (by number) and an obstacle, or two pieces of which an obstacle asks that they keep clear."""
 
     obstacle: Obstacle
     numbers: tuple[int, ...]
@@ -46,7 +46,7 @@ class Prepared:
     """A problem's arm, and all that is asked of it."""
 
     arm: Arm
-    asked: tuple[Question, ...]
+    asked: tuple[CollisionPair, ...]
 
 
 @dataclass(frozen=True)
@@ -58,13 +58,13 @@ class Nearest:
     words: str
 
 
-def questions_of(arm: Arm) -> tuple[Question, ...]:
+def collision_pairs(arm: Arm) -> tuple[CollisionPair, ...]:
     """All that is asked of an arm."""
     parts = list(pieces(arm, [0.0] * arm.size))
-    return tuple(Question(obstacle, numbers) for obstacle in arm.avoid for numbers in obstacle.asks(parts))
+    return tuple(CollisionPair(obstacle, numbers) for obstacle in arm.avoid for numbers in obstacle.asks(parts))
 
 
-def _gaps(arm: Arm, asked: Sequence[Question], q: Array) -> Array:
+def _gaps(arm: Arm, asked: Sequence[CollisionPair], q: Array) -> Array:
     """By how much each is clear (N, K) at poses q (N, n), m."""
     parts = list(pieces(arm, list(q.T)))
     return np.stack([one.obstacle.closest(one.of(parts), len(q))[0] for one in asked], axis=1)
@@ -80,7 +80,7 @@ class Separations(PoseFamily[Nearest]):
 
     def prepare(self, problem: Asked) -> Prepared:
         """The arm and what is asked of it. Raises `InputError` where nothing is to be avoided."""
-        asked = questions_of(problem.arm)
+        asked = collision_pairs(problem.arm)
         if not asked:
             raise InputError(
                 "", "subject_to.separation", "needs what to keep clear of, e.g. avoid: [{below: {y: 0 mm}}]"
@@ -89,7 +89,7 @@ class Separations(PoseFamily[Nearest]):
 
     def groups(self, problem: Asked) -> int:
         """One for each piece and what it keeps clear of."""
-        return len(questions_of(problem.arm))
+        return len(collision_pairs(problem.arm))
 
     def more(self, prepared: Prepared) -> int:
         """Where along the pieces they come nearest."""
@@ -118,7 +118,7 @@ class Separations(PoseFamily[Nearest]):
 
     def evaluate(self, design: DesignValues) -> Nearest | None:
         """The nearest over the workspace; None where nothing is to be avoided."""
-        asked = questions_of(design.arm)
+        asked = collision_pairs(design.arm)
         if not asked:
             return None
         worst = min(self._each(asked, design), key=lambda item: item.value)
@@ -136,14 +136,14 @@ class Separations(PoseFamily[Nearest]):
         del problem
         return self._each(prepared.asked, design)
 
-    def _each(self, asked: Sequence[Question], design: DesignValues) -> list[Worst]:
+    def _each(self, asked: Sequence[CollisionPair], design: DesignValues) -> list[Worst]:
         arm = design.arm
         nearest = greatest([lambda q: -_gaps(arm, asked, q)], design.poses, design.p, design.search)
         cuts = (self._cut(arm, one, group, np.array(nearest[group].q)) for group, one in enumerate(asked))
         return [Worst(self.name, gap, cut) for gap, cut in cuts]
 
     @staticmethod
-    def _cut(arm: Arm, one: Question, group: int, q: Array) -> tuple[float, Cut]:
+    def _cut(arm: Arm, one: CollisionPair, group: int, q: Array) -> tuple[float, Cut]:
         (gap,), (shares,) = one.obstacle.closest(one.of(list(pieces(arm, list(q[None].T)))), 1)
         return float(gap), Cut(tuple(q.tolist()), group, tuple(shares.tolist()))
 

@@ -238,11 +238,18 @@ def test_the_nearest_points_are_those_of_many_along_the_pieces(seed):
     assert float(OtherLinks().gap((one, other), shares)) == pytest.approx(gap, abs=1e-12)
 
 
-def test_links_that_share_no_joint_are_asked_of():
-    """Four links and a tool: each but with its neighbours; two arms on one torso: each link of one with each of the
-    other but the first two, which share the torso's end."""
+def test_links_that_share_no_joint_are_asked_of(tmp_path):
+    """Four links and a tool: each but with its neighbours. Two arms on one torso: each link of one with each of the
+    other but the first two, which share the torso's end, and the second ones with the torso."""
     asked = OtherLinks().asks(list(pieces(_chain(4, tool=(0.1, 0.0, 0.0)), [0.0] * 4)))
     assert asked == [(0, 2), (0, 3), (0, 4), (1, 3), (1, 4), (2, 4)]
+    link = "{joint: {axis: z}, link: {length: 300 mm, rigid: true, mass: 1 kg}}"
+    branches = "".join(f"  - {{name: {name}, chain: [{link}, {link}]}}\n" for name in ("left", "right"))
+    (tmp_path / "arm.yaml").write_text(f"chain: [{link}]\nbranches:\n{branches}")
+    parts = list(pieces(read_arm(tmp_path / "arm.yaml"), [0.0] * 5))
+    names = {frozenset(parts[number].name for number in pair) for pair in OtherLinks().asks(parts)}
+    expected = [(1, 3), (1, 5), (2, 5), (3, 4), (3, 5)]
+    assert names == {frozenset((f"link {one}", f"link {other}")) for one, other in expected}
 
 
 def test_joints_that_stand_in_one_point_are_one():

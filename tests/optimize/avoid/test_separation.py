@@ -153,7 +153,7 @@ def test_links_keep_clear_of_one_another(tmp_path: Path) -> None:
 
 def test_where_an_axis_itself_runs_through_no_design_keeps_clear(tmp_path: Path) -> None:
     text = f"minimize: max_error\nsubject_to: {{{SIZES}}}\nchoose: {{section: [circle]}}\n"
-    with pytest.raises(NoAnswer, match="separation >= 1 mm is out of reach: links that are lines reach at most -"):
+    with pytest.raises(NoAnswer, match="separation >= 1 mm is out of reach: links without thickness reach at most -"):
         optimise(asked(tmp_path, text, "{box: [[200 mm, 100 mm], [400 mm, 400 mm]]}"))
     with pytest.raises(InputError, match="avoid"):
         optimise(problem_of(tmp_path, ARM, f"minimize: max_error\nsubject_to: {{separation: '>= 5 mm', {SIZES}}}\n"))

@@ -151,7 +151,7 @@ def test_nothing_lighter_of_a_grid_settles_in_time(tmp_path: Path) -> None:
     assert figure.value(result.after) == pytest.approx(0.45, rel=1e-3)
     best = math.inf
     cycle = cycle_of(problem)
-    for pair in itertools.product(np.linspace(0.02, 0.09, 15), repeat=2):
+    for pair in itertools.product(np.linspace(0.02, 0.09, 29), repeat=2):
         arm = with_bars(problem.arm, pair)
         beams = beams_of(arm, problem.load_cases)
         times = settled(swung(arm, beams, 3.0, cycle.q, cycle.acceleration), 2e-5)

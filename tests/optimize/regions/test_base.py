@@ -75,7 +75,7 @@ def test_no_base_of_a_grid_with_any_sizes_does_better(tmp_path: Path, ranges: st
     result = optimise(problem)
     assert result.base is not None
     assert result.objective <= optimise(replace(problem, base=None)).objective * (1.0 + 1e-9)
-    bases = list(itertools.product(np.linspace(-0.1, 0.2, xs) if xs > 1 else [0.0], np.linspace(-0.2, 0.2, 41)))
+    bases = list(itertools.product(np.linspace(-0.1, 0.2, xs) if xs > 1 else [0.0], np.linspace(-0.2, 0.2, 81)))
     reached = [[poses_to(point, base) for point in POINTS] for base in bases]
     rows = [(k, pose) for k, poses in enumerate(reached) if all(poses) for pose in itertools.chain(*poses)]
     number, q = np.array([k for k, _ in rows]), np.array([pose for _, pose in rows])
